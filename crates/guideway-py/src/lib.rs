@@ -1,0 +1,6 @@
+//! Python binding: conversion only.
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _core {}

@@ -1,0 +1,1 @@
+//! Driving: a plant, a controller, and the loop between them.

@@ -1,0 +1,134 @@
+//! Planners: from a query to a path.
+
+pub mod search;
+
+use crate::Point;
+use crate::context::{Context, Stop};
+use crate::error::PlanError;
+use crate::path::Path;
+use crate::query::Query;
+use crate::timing::Trajectory;
+use crate::world::Cell;
+use serde_json::Value;
+use std::any::Any;
+use std::sync::Arc;
+
+/// What a planner returns.
+#[derive(Clone)]
+pub struct Solution {
+    /// The planner's raw path from start to goal.
+    pub path: Path,
+    /// Cells of a lattice planner, start cell to goal cell, every step to a neighbour (`None` for planners that are not on the lattice).
+    pub cells: Option<Vec<Cell>>,
+    /// Cost of the path in the planner's own model; its length in m unless the planner says otherwise.
+    pub cost: f64,
+    /// Motion, for planners that plan path and speed at once.
+    pub trajectory: Option<Trajectory>,
+    /// Why it stopped.
+    pub stop: Stop,
+    /// Iterations of the method's loop (expansions for searches).
+    pub iterations: u64,
+    /// Candidates costed.
+    pub evaluations: u64,
+    /// Wall-clock time of the call, s.
+    pub seconds: f64,
+    /// (iteration, best cost) at each improvement.
+    pub history: Vec<(u64, f64)>,
+    /// For pictures and reports; the planner's page documents it.
+    pub trace: Value,
+    /// What `replan` of the same planner reads.
+    pub memory: Option<Arc<dyn Any + Send + Sync>>,
+}
+
+/// Plans a path. A planner is a plain struct of public parameters; all search state is local to the call.
+pub trait Planner: Send + Sync {
+    /// Solves the query.
+    /// # Errors
+    /// Those of [`Query::validate`], [`PlanError::NoPath`], [`PlanError::Cancelled`].
+    fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError>;
+
+    /// Solves a changed query, reusing what `previous` remembers.
+    /// # Errors
+    /// As [`Planner::plan`].
+    fn replan(&self, _previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        self.plan(query, ctx)
+    }
+}
+
+/// One parameter of a planner, for `--list`.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// Field name.
+    pub name: &'static str,
+    /// What it is, its unit and its source.
+    pub about: &'static str,
+}
+
+/// One line of the registry.
+pub struct Entry {
+    /// Name on the command line and in files.
+    pub name: &'static str,
+    /// One line for people.
+    pub about: &'static str,
+    /// Where the method comes from (keys of `refs.bib`).
+    pub source: &'static str,
+    /// Works on the 8-connected lattice and returns `cells`.
+    pub lattice: bool,
+    /// Parameters in order.
+    pub parameters: &'static [Parameter],
+    /// Default parameters as JSON.
+    pub defaults: fn() -> Value,
+    /// Builds the planner from parameters as JSON.
+    pub build: fn(Value) -> Result<Box<dyn Planner>, serde_json::Error>,
+}
+
+/// An [`Entry`] for a planner type: `entry!("name", Type, lattice, "source", "about", [("parameter", "about"), ...])`.
+#[macro_export]
+macro_rules! entry {
+    ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, [$(($p:literal, $a:literal)),* $(,)?]) => {
+        $crate::plan::Entry {
+            name: $name,
+            about: $about,
+            source: $source,
+            lattice: $lattice,
+            parameters: &[$($crate::plan::Parameter { name: $p, about: $a }),*],
+            defaults: || serde_json::to_value(<$type>::default()).unwrap_or_default(),
+            build: |value| Ok(Box::new(serde_json::from_value::<$type>(value)?)),
+        }
+    };
+}
+
+/// Every planner, one line each.
+pub const REGISTRY: &[Entry] = &[];
+
+/// Builds a planner by name with parameters as a JSON object (missing ones take their defaults).
+/// # Errors
+/// [`PlanError::BadParameter`] for an unknown planner or parameter, naming the valid ones.
+pub fn planner(name: &str, parameters: Value) -> Result<Box<dyn Planner>, PlanError> {
+    let Some(entry) = REGISTRY.iter().find(|e| e.name == name) else {
+        let names: Vec<_> = REGISTRY.iter().map(|e| e.name).collect();
+        return Err(PlanError::bad("planner", name, format!("one of {}", names.join(", "))));
+    };
+    let parameters = if parameters.is_null() { Value::Object(serde_json::Map::new()) } else { parameters };
+    if let Value::Object(map) = &parameters
+        && let Some(key) = map.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k))
+    {
+        let names: Vec<_> = entry.parameters.iter().map(|p| p.name).collect();
+        let known = if names.is_empty() { "it has none".into() } else { names.join(", ") };
+        return Err(PlanError::bad(format!("{name}.{key}"), "an unknown parameter", format!("parameters of {name}: {known}")));
+    }
+    (entry.build)(parameters).map_err(|e| PlanError::bad(name, "its parameters", e.to_string()))
+}
+
+/// Plans leg by leg through the via points: `leg(from, to)` solves one, the result is one polyline.
+/// # Errors
+/// Those of `leg`.
+pub fn through(query: &Query, mut leg: impl FnMut(Point, Point) -> Result<Vec<Point>, PlanError>) -> Result<Vec<Point>, PlanError> {
+    let stops = query.stops();
+    let mut points = vec![query.start];
+    for pair in stops.windows(2) {
+        let part = leg(pair[0], pair[1])?;
+        points.extend(part.into_iter().skip(1));
+    }
+    Ok(points)
+}

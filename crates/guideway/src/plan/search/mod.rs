@@ -1,0 +1,1 @@
+//! Exact and any-angle searches: planners themselves, and the references every other result is measured against.

@@ -1,0 +1,148 @@
+//! What is asked: from where to where, with which robot, how close to obstacles.
+
+use crate::Point;
+use crate::error::PlanError;
+use crate::world::{Corners, Footprint, World};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Transported material; it picks the product (shortest, safest, least energy).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Material {
+    /// Shortest path.
+    #[default]
+    Standard,
+    /// Safest path: no contact with obstacles.
+    Long,
+    /// Least energy: few turns, smooth.
+    Heavy,
+}
+
+/// Limits of a motion along a path. SI units; `None` is unlimited.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Largest speed, m/s.
+    pub speed: f64,
+    /// Largest acceleration, m/s2.
+    pub acceleration: f64,
+    /// Largest deceleration, m/s2, positive.
+    pub deceleration: f64,
+    /// Largest jerk, m/s3.
+    pub jerk: f64,
+    /// Largest turn rate, rad/s.
+    pub turn_rate: Option<f64>,
+    /// Largest turn acceleration, rad/s2 (turns in place).
+    pub turn_acceleration: Option<f64>,
+    /// Largest lateral acceleration, m/s2.
+    pub lateral_acceleration: Option<f64>,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { speed: 1.0, acceleration: 0.5, deceleration: 0.5, jerk: 2.0, turn_rate: None, turn_acceleration: None, lateral_acceleration: None }
+    }
+}
+
+impl Limits {
+    /// Checks that every limit is positive and finite.
+    /// # Errors
+    /// [`PlanError::BadParameter`] names the first that is not.
+    pub fn validated(self) -> Result<Self, PlanError> {
+        let named = [("speed", self.speed), ("acceleration", self.acceleration), ("deceleration", self.deceleration), ("jerk", self.jerk)];
+        let optional = [("turn_rate", self.turn_rate), ("turn_acceleration", self.turn_acceleration), ("lateral_acceleration", self.lateral_acceleration)];
+        for (name, value) in named.into_iter().chain(optional.into_iter().filter_map(|(n, v)| v.map(|v| (n, v)))) {
+            if !(value.is_finite() && (1e-6..=1e6).contains(&value)) {
+                return Err(PlanError::bad(format!("limits.{name}"), value, "a number from 1e-6 to 1e6"));
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// A planning query. Build with [`Query::new`], refine with the public fields, and every method validates once with [`Query::validate`].
+#[derive(Debug, Clone)]
+pub struct Query {
+    /// The shared world.
+    pub world: Arc<World>,
+    /// Start, m.
+    pub start: Point,
+    /// Heading at the start, rad (`None`: any).
+    pub start_yaw: Option<f64>,
+    /// Goal, m.
+    pub goal: Point,
+    /// Heading at the goal, rad (`None`: any).
+    pub goal_yaw: Option<f64>,
+    /// Points to pass in order, m.
+    pub via: Vec<Point>,
+    /// What the robot covers.
+    pub footprint: Footprint,
+    /// Distance to keep between footprint and obstacles, m.
+    pub clearance: f64,
+    /// When a diagonal step on a grid is allowed.
+    pub corners: Corners,
+    /// Transported material.
+    pub material: Material,
+}
+
+impl Query {
+    /// A point robot without clearance.
+    pub fn new(world: Arc<World>, start: Point, goal: Point) -> Self {
+        Self {
+            world,
+            start,
+            start_yaw: None,
+            goal,
+            goal_yaw: None,
+            via: Vec::new(),
+            footprint: Footprint::default(),
+            clearance: 0.0,
+            corners: Corners::default(),
+            material: Material::default(),
+        }
+    }
+
+    /// Radius of the disc that planners keep free around the reference point, m: circumscribed footprint plus clearance, enough for every heading.
+    pub fn radius(&self) -> f64 {
+        self.footprint.circumscribed() + self.clearance
+    }
+
+    /// Start, via points and goal, in order.
+    pub fn stops(&self) -> Vec<Point> {
+        let mut stops = Vec::with_capacity(self.via.len() + 2);
+        stops.push(self.start);
+        stops.extend_from_slice(&self.via);
+        stops.push(self.goal);
+        stops
+    }
+
+    /// Checks the query against its world.
+    /// # Errors
+    /// [`PlanError::BadParameter`], [`PlanError::OutsideMap`], [`PlanError::StartBlocked`], [`PlanError::GoalBlocked`].
+    pub fn validate(&self) -> Result<(), PlanError> {
+        if !(self.clearance.is_finite() && (0.0..=1e6).contains(&self.clearance)) {
+            return Err(PlanError::bad("clearance", self.clearance, "0 to 1e6 m"));
+        }
+        let needed = self.radius();
+        let stops = 1 + self.via.len();
+        for (i, point) in std::iter::once(&self.start).chain(&self.via).chain(std::iter::once(&self.goal)).enumerate() {
+            let what = if i == 0 { "start" } else if i == stops { "goal" } else { "via point" };
+            if !point.iter().all(|v| v.is_finite()) {
+                return Err(PlanError::bad(what, format!("({}, {})", point[0], point[1]), "two finite coordinates in m"));
+            }
+            if !self.world.contains(*point) {
+                return Err(PlanError::OutsideMap { what: what.into(), point: *point, bounds: self.world.bounds() });
+            }
+            if !self.world.fits(*point, needed) {
+                let clearance = self.world.clearance(*point);
+                return Err(if i == 0 {
+                    PlanError::StartBlocked { point: *point, clearance, needed }
+                } else {
+                    PlanError::GoalBlocked { point: *point, clearance, needed }
+                });
+            }
+        }
+        Ok(())
+    }
+}

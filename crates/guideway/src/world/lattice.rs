@@ -1,0 +1,152 @@
+//! The 8-connected lattice of cell centres that grid planners search.
+
+use super::bits::Bits;
+use super::grid::Cell;
+use super::World;
+use crate::Point;
+use serde::{Deserialize, Serialize};
+
+/// When a diagonal step is allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Corners {
+    /// Target free and at least one of the two orthogonal neighbours free.
+    #[default]
+    Touch,
+    /// Target and both orthogonal neighbours free.
+    Clear,
+    /// Target free: passes through the zero-width gap between two blocked cells.
+    Squeeze,
+}
+
+/// Cells whose centre a disc of the given radius may occupy, and the cell corners that a diagonal step may pass.
+///
+/// Between two free centres a straight step stays clear by itself; a diagonal step is nearest to an obstacle at its ends or at the
+/// cell corner it crosses, so one bit per corner makes the lattice exact for a grid of square obstacles.
+#[derive(Debug)]
+pub struct Lattice {
+    free: Bits,
+    corner_free: Option<Bits>,
+    resolution: f64,
+    radius: f64,
+    place: Place,
+}
+
+/// Where the lattice lies in the map frame.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    origin: Point,
+    rotation: [f64; 2],
+}
+
+impl Lattice {
+    pub(super) fn build(world: &World, radius: f64) -> Self {
+        if let Some(grid) = world.grid()
+            && radius == 0.0
+            && world.shapes().is_empty()
+        {
+            let mut free = Bits::new(grid.width(), grid.height());
+            let tail = grid.width() % 64;
+            for y in 0..grid.height() {
+                let row = free.row_mut(y);
+                for (w, b) in row.iter_mut().zip(grid.blocked().row(y)) {
+                    *w = !b;
+                }
+                if tail != 0
+                    && let Some(last) = row.last_mut()
+                {
+                    *last &= (1 << tail) - 1;
+                }
+            }
+            return Self { free, corner_free: None, resolution: grid.resolution(), radius, place: place(world) };
+        }
+        let resolution = world.resolution();
+        let (w, h) = match world.grid() {
+            Some(g) => (g.width(), g.height()),
+            None => {
+                let [x0, y0, x1, y1] = world.bounds();
+                (((x1 - x0) / resolution).ceil() as u32, ((y1 - y0) / resolution).ceil() as u32)
+            }
+        };
+        let mut lattice = Self { free: Bits::new(w, h), corner_free: None, resolution, radius, place: place(world) };
+        for y in 0..h {
+            for x in 0..w {
+                let ok = world.clearance(lattice.center([x, y])) >= radius;
+                lattice.free.set(x, y, ok);
+            }
+        }
+        lattice
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.free.width()
+    }
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.free.height()
+    }
+    /// Side of a cell, m.
+    pub fn resolution(&self) -> f64 {
+        self.resolution
+    }
+    /// Radius of the disc that fits at every free centre, m.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+    /// Free cells.
+    pub fn free(&self) -> &Bits {
+        &self.free
+    }
+    /// Is the cell inside the lattice and free?
+    #[inline]
+    pub fn is_free(&self, x: i64, y: i64) -> bool {
+        x >= 0 && y >= 0 && x < i64::from(self.width()) && y < i64::from(self.height()) && self.free.at(x as u32, y as u32)
+    }
+    /// May the robot step from free cell `from` by `(dx, dy)`, each -1, 0 or 1?
+    #[inline]
+    pub fn step_free(&self, from: Cell, dx: i64, dy: i64, corners: Corners) -> bool {
+        let (x, y) = (i64::from(from[0]), i64::from(from[1]));
+        if !self.is_free(x + dx, y + dy) {
+            return false;
+        }
+        if dx == 0 || dy == 0 {
+            return true;
+        }
+        if let Some(corner) = &self.corner_free
+            && !corner.at((x + i64::from(dx > 0)) as u32, (y + i64::from(dy > 0)) as u32)
+        {
+            return false;
+        }
+        let (a, b) = (self.is_free(x + dx, y), self.is_free(x, y + dy));
+        match corners {
+            Corners::Squeeze => true,
+            Corners::Touch => a || b,
+            Corners::Clear => a && b,
+        }
+    }
+    /// Centre of a cell in the map frame, m.
+    pub fn center(&self, cell: Cell) -> Point {
+        let [c, s] = self.place.rotation;
+        let (dx, dy) = ((f64::from(cell[0]) + 0.5) * self.resolution, (f64::from(cell[1]) + 0.5) * self.resolution);
+        [self.place.origin[0] + c * dx - s * dy, self.place.origin[1] + s * dx + c * dy]
+    }
+    /// The cell that holds `p` (map frame, m); `None` outside.
+    pub fn cell_at(&self, p: Point) -> Option<Cell> {
+        let [c, s] = self.place.rotation;
+        let (dx, dy) = (p[0] - self.place.origin[0], p[1] - self.place.origin[1]);
+        let (x, y) = ((c * dx + s * dy) / self.resolution, (c * dy - s * dx) / self.resolution);
+        let (w, h) = (f64::from(self.width()), f64::from(self.height()));
+        (x >= 0.0 && y >= 0.0 && x <= w && y <= h).then(|| [(x as u32).min(self.width() - 1), (y as u32).min(self.height() - 1)])
+    }
+}
+
+fn place(world: &World) -> Place {
+    match world.grid() {
+        Some(g) => {
+            let [x, y, yaw] = g.origin();
+            Place { origin: [x, y], rotation: if yaw == 0.0 { [1.0, 0.0] } else { [yaw.cos(), yaw.sin()] } }
+        }
+        None => Place { origin: [world.bounds()[0], world.bounds()[1]], rotation: [1.0, 0.0] },
+    }
+}

@@ -1,0 +1,166 @@
+//! The world: what is blocked, where the robot may be, and exactly how far away everything is.
+//!
+//! A world is an occupancy [`Grid`], analytic [`Shape`]s, or both, inside bounds. The border of the world stops the robot's reference
+//! point but is no obstacle: it costs no clearance. Worlds are immutable; moving obstacles overlay them in time.
+
+mod bits;
+mod footprint;
+mod grid;
+mod lattice;
+mod mover;
+pub mod shape;
+
+pub use bits::Bits;
+pub use footprint::Footprint;
+pub use grid::{Cell, Grid, MAX_CELLS};
+pub use lattice::{Corners, Lattice};
+pub use mover::{Appears, Loop, Mover};
+pub use shape::Shape;
+
+use crate::Point;
+use crate::error::PlanError;
+use std::sync::{Arc, Mutex};
+
+/// A static world with the movers that overlay it.
+#[derive(Debug)]
+pub struct World {
+    grid: Option<Grid>,
+    shapes: Vec<Shape>,
+    bounds: [f64; 4],
+    resolution: f64,
+    movers: Vec<Mover>,
+    lattices: Mutex<Vec<(u64, Arc<Lattice>)>>,
+}
+
+impl World {
+    /// A world from an occupancy grid alone.
+    pub fn from_grid(grid: Grid) -> Self {
+        let (w, h) = (f64::from(grid.width()), f64::from(grid.height()));
+        let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|q| grid.to_map(q));
+        let fold = |k: usize, f: fn(f64, f64) -> f64, start: f64| corners.iter().map(|p| p[k]).fold(start, f);
+        let bounds = [
+            fold(0, f64::min, f64::INFINITY),
+            fold(1, f64::min, f64::INFINITY),
+            fold(0, f64::max, f64::NEG_INFINITY),
+            fold(1, f64::max, f64::NEG_INFINITY),
+        ];
+        let resolution = grid.resolution();
+        Self { grid: Some(grid), shapes: Vec::new(), bounds, resolution, movers: Vec::new(), lattices: Mutex::default() }
+    }
+
+    /// A continuous world: `bounds` = [x0, y0, x1, y1] in m, shapes, and the `resolution` (m) of the lattice that grid planners see.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for bounds or a resolution that make no sense.
+    pub fn from_shapes(bounds: [f64; 4], shapes: Vec<Shape>, resolution: f64) -> Result<Self, PlanError> {
+        let [x0, y0, x1, y1] = bounds;
+        if !(bounds.iter().all(|v| v.is_finite() && v.abs() <= 1e9) && x0 < x1 && y0 < y1) {
+            return Err(PlanError::bad("world.bounds", format!("{bounds:?}"), "[x0, y0, x1, y1] in m with x0 < x1 and y0 < y1"));
+        }
+        if !(resolution.is_finite() && resolution > 0.0) || ((x1 - x0) / resolution).ceil() * ((y1 - y0) / resolution).ceil() > MAX_CELLS as f64 {
+            return Err(PlanError::bad("world.resolution", resolution, format!("a positive cell side in m that gives at most {MAX_CELLS} cells")));
+        }
+        Ok(Self { grid: None, shapes, bounds, resolution, movers: Vec::new(), lattices: Mutex::default() })
+    }
+
+    /// Adds analytic shapes to the static world.
+    #[must_use]
+    pub fn with_shapes(mut self, shapes: Vec<Shape>) -> Self {
+        self.shapes.extend(shapes);
+        self.lattices = Mutex::default();
+        self
+    }
+
+    /// Sets the moving obstacles.
+    #[must_use]
+    pub fn with_movers(mut self, movers: Vec<Mover>) -> Self {
+        self.movers = movers;
+        self
+    }
+
+    /// The occupancy grid, if there is one.
+    pub fn grid(&self) -> Option<&Grid> {
+        self.grid.as_ref()
+    }
+    /// Analytic obstacles.
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+    /// Moving obstacles.
+    pub fn movers(&self) -> &[Mover] {
+        &self.movers
+    }
+    /// [x0, y0, x1, y1], m.
+    pub fn bounds(&self) -> [f64; 4] {
+        self.bounds
+    }
+    /// Side of the cells that grid planners see, m.
+    pub fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    /// May the reference point be here, obstacles aside?
+    pub fn contains(&self, p: Point) -> bool {
+        match &self.grid {
+            Some(grid) => grid.cell_at(p).is_some(),
+            None => p[0] >= self.bounds[0] && p[1] >= self.bounds[1] && p[0] <= self.bounds[2] && p[1] <= self.bounds[3],
+        }
+    }
+
+    /// Exact distance from `p` to the nearest static obstacle, m; negative inside one, infinite if there is none.
+    pub fn clearance(&self, p: Point) -> f64 {
+        let shapes = self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
+        let grid = self.grid.as_ref().map_or(f64::INFINITY, |g| grid_clearance(g, p));
+        shapes.min(grid)
+    }
+
+    /// Does a disc of radius `radius` (m) fit at `p`? Fast for a point on a grid. A point robot needs a free cell.
+    pub fn fits(&self, p: Point, radius: f64) -> bool {
+        if radius == 0.0
+            && self.shapes.is_empty()
+            && let Some(grid) = &self.grid
+        {
+            return grid.cell_at(p).is_some_and(|[x, y]| !grid.blocked().at(x, y));
+        }
+        self.clearance(p) >= radius - 1e-9
+    }
+
+    /// Does a disc of radius `radius` (m) swept along the segment `a b` stay out of the interior of every static obstacle?
+    /// Exact up to 1e-9 m. Radius 0 is a point: it may slide along walls and touch corners, but not pass between two blocked cells that meet at a corner.
+    pub fn segment_free(&self, a: Point, b: Point, radius: f64) -> bool {
+        let n = (shape::distance(a, b) / (self.resolution * 0.05)).ceil().max(1.0);
+        (0..=n as u32).all(|i| {
+            let t = f64::from(i) / n;
+            self.clearance([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]) >= radius - 1e-9
+        })
+    }
+
+    /// The lattice that grid planners see for a disc of radius `radius` (m); built once per radius and kept.
+    pub fn lattice(&self, radius: f64) -> Arc<Lattice> {
+        let key = radius.to_bits();
+        let mut kept = self.lattices.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some((_, lattice)) = kept.iter().find(|(k, _)| *k == key) {
+            return Arc::clone(lattice);
+        }
+        let lattice = Arc::new(Lattice::build(self, radius));
+        if kept.len() >= 4 {
+            kept.remove(0);
+        }
+        kept.push((key, Arc::clone(&lattice)));
+        lattice
+    }
+}
+
+fn grid_clearance(grid: &Grid, p: Point) -> f64 {
+    let q = grid.to_cells(p);
+    let mut best = f64::INFINITY;
+    for y in 0..grid.height() {
+        for x in 0..grid.width() {
+            if grid.blocked().at(x, y) {
+                let (dx, dy) = ((q[0] - f64::from(x) - 0.5).abs() - 0.5, (q[1] - f64::from(y) - 0.5).abs() - 0.5);
+                let d = if dx < 0.0 && dy < 0.0 { dx.max(dy) } else { dx.max(0.0).hypot(dy.max(0.0)) };
+                best = best.min(d);
+            }
+        }
+    }
+    best * grid.resolution()
+}

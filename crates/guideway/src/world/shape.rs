@@ -1,0 +1,141 @@
+//! Analytic obstacles: discs and convex polygons, with exact distances.
+
+use crate::Point;
+use crate::error::PlanError;
+use serde::{Deserialize, Serialize};
+
+/// A solid, closed shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Centre and radius, m.
+    Disc { center: Point, radius: f64 },
+    /// Convex, counter-clockwise, at least three corners, m.
+    Polygon { points: Vec<Point> },
+}
+
+impl Shape {
+    /// A disc of radius `radius` >= 0 m.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for values that are not finite or a negative radius.
+    pub fn disc(center: Point, radius: f64) -> Result<Self, PlanError> {
+        if !(center.iter().all(|v| v.is_finite()) && radius.is_finite() && radius >= 0.0) {
+            return Err(PlanError::bad("disc", format!("center {center:?}, radius {radius}"), "finite numbers, radius >= 0 m"));
+        }
+        Ok(Self::Disc { center, radius })
+    }
+
+    /// A convex polygon; the corners may be given in either sense and are stored counter-clockwise.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for fewer than three corners, no area, values that are not finite, or a polygon that is not convex.
+    pub fn polygon(mut points: Vec<Point>) -> Result<Self, PlanError> {
+        let shown = || format!("{} corners", points.len());
+        if points.len() < 3 || !points.iter().flatten().all(|v| v.is_finite()) {
+            return Err(PlanError::bad("polygon", shown(), "at least 3 corners with finite coordinates"));
+        }
+        let n = points.len();
+        let area: f64 = (0..n).map(|i| cross(points[i], points[(i + 1) % n])).sum::<f64>() / 2.0;
+        if area.abs() < 1e-12 {
+            return Err(PlanError::bad("polygon", shown(), "corners that span an area"));
+        }
+        if area < 0.0 {
+            points.reverse();
+        }
+        let mut turning = 0.0;
+        for i in 0..n {
+            let (a, b, c) = (points[i], points[(i + 1) % n], points[(i + 2) % n]);
+            let (u, v) = (sub(b, a), sub(c, b));
+            if cross(u, v) < -1e-12 * (norm(u) * norm(v)).max(1e-300) {
+                return Err(PlanError::bad("polygon", format!("{n} corners, reflex at ({}, {})", b[0], b[1]), "a convex polygon (split it into convex parts)"));
+            }
+            turning += cross(u, v).atan2(dot(u, v));
+        }
+        if turning > 2.0 * std::f64::consts::PI + 1e-6 {
+            return Err(PlanError::bad("polygon", format!("{n} corners"), "a polygon that does not cross itself"));
+        }
+        Ok(Self::Polygon { points })
+    }
+
+    /// Signed distance from `p` to the boundary, m; negative inside.
+    pub fn distance(&self, p: Point) -> f64 {
+        match self {
+            Self::Disc { center, radius } => norm(sub(p, *center)) - radius,
+            Self::Polygon { points } => {
+                let n = points.len();
+                let (mut inside, mut best) = (f64::NEG_INFINITY, f64::INFINITY);
+                for i in 0..n {
+                    let (a, b) = (points[i], points[(i + 1) % n]);
+                    let e = sub(b, a);
+                    inside = inside.max(cross(sub(p, a), e) / norm(e).max(1e-300));
+                    best = best.min(point_segment(p, a, b));
+                }
+                if inside <= 0.0 { inside } else { best }
+            }
+        }
+    }
+
+    /// Smallest distance from the segment `a b` to the shape, m; zero or negative when they meet.
+    pub fn segment_distance(&self, a: Point, b: Point) -> f64 {
+        match self {
+            Self::Disc { center, radius } => point_segment(*center, a, b) - radius,
+            Self::Polygon { points } => {
+                let mut best = self.distance(a).min(self.distance(b));
+                let n = points.len();
+                for i in 0..n {
+                    best = best.min(segment_segment(a, b, points[i], points[(i + 1) % n]));
+                }
+                best
+            }
+        }
+    }
+}
+
+/// `a - b`.
+#[inline]
+pub fn sub(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1]]
+}
+/// z component of the cross product.
+#[inline]
+pub fn cross(a: Point, b: Point) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+/// Dot product.
+#[inline]
+pub fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+/// Euclidean length.
+#[inline]
+pub fn norm(a: Point) -> f64 {
+    a[0].hypot(a[1])
+}
+/// Euclidean distance of two points.
+#[inline]
+pub fn distance(a: Point, b: Point) -> f64 {
+    norm(sub(a, b))
+}
+/// Distance from `p` to the segment `a b`.
+pub fn point_segment(p: Point, a: Point, b: Point) -> f64 {
+    let (e, v) = (sub(b, a), sub(p, a));
+    let l2 = dot(e, e);
+    let t = if l2 > 0.0 { (dot(v, e) / l2).clamp(0.0, 1.0) } else { 0.0 };
+    norm([v[0] - t * e[0], v[1] - t * e[1]])
+}
+/// Distance of two segments; zero if they cross.
+pub fn segment_segment(a: Point, b: Point, c: Point, d: Point) -> f64 {
+    let (u, v) = (sub(b, a), sub(d, c));
+    let (s1, s2) = (cross(u, sub(c, a)), cross(u, sub(d, a)));
+    let (t1, t2) = (cross(v, sub(a, c)), cross(v, sub(b, c)));
+    if s1 * s2 < 0.0 && t1 * t2 < 0.0 {
+        return 0.0;
+    }
+    point_segment(a, c, d).min(point_segment(b, c, d)).min(point_segment(c, a, b)).min(point_segment(d, a, b))
+}
+/// Angle wrapped to (-pi, pi].
+#[inline]
+pub fn wrap(angle: f64) -> f64 {
+    let t = std::f64::consts::TAU;
+    let w = angle.rem_euclid(t);
+    if w > std::f64::consts::PI { w - t } else { w }
+}

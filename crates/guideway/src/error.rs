@@ -57,7 +57,9 @@ impl std::fmt::Display for NoPath {
             write!(f, "; {reason}")?;
         }
         match (self.widest, self.narrowest) {
-            (Some(w), Some(p)) => write!(f, ". The widest disc that would pass has radius {w:.3} m; the route is narrowest near ({:.3}, {:.3})", p[0], p[1]),
+            (Some(w), Some(p)) => {
+                write!(f, ". The widest disc that would pass has radius {w:.3} m; the route is narrowest near ({:.3}, {:.3})", p[0], p[1])
+            }
             (None, _) if self.proved => write!(f, ". Start and goal are not connected for any footprint"),
             _ => Ok(()),
         }

@@ -51,7 +51,8 @@ impl Limits {
     /// [`PlanError::BadParameter`] names the first that is not.
     pub fn validated(self) -> Result<Self, PlanError> {
         let named = [("speed", self.speed), ("acceleration", self.acceleration), ("deceleration", self.deceleration), ("jerk", self.jerk)];
-        let optional = [("turn_rate", self.turn_rate), ("turn_acceleration", self.turn_acceleration), ("lateral_acceleration", self.lateral_acceleration)];
+        let optional =
+            [("turn_rate", self.turn_rate), ("turn_acceleration", self.turn_acceleration), ("lateral_acceleration", self.lateral_acceleration)];
         for (name, value) in named.into_iter().chain(optional.into_iter().filter_map(|(n, v)| v.map(|v| (n, v)))) {
             if !(value.is_finite() && (1e-6..=1e6).contains(&value)) {
                 return Err(PlanError::bad(format!("limits.{name}"), value, "a number from 1e-6 to 1e6"));
@@ -127,7 +128,13 @@ impl Query {
         let needed = self.radius();
         let stops = 1 + self.via.len();
         for (i, point) in std::iter::once(&self.start).chain(&self.via).chain(std::iter::once(&self.goal)).enumerate() {
-            let what = if i == 0 { "start" } else if i == stops { "goal" } else { "via point" };
+            let what = if i == 0 {
+                "start"
+            } else if i == stops {
+                "goal"
+            } else {
+                "via point"
+            };
             if !point.iter().all(|v| v.is_finite()) {
                 return Err(PlanError::bad(what, format!("({}, {})", point[0], point[1]), "two finite coordinates in m"));
             }

@@ -1,8 +1,8 @@
 //! The 8-connected lattice of cell centres that grid planners search.
 
+use super::World;
 use super::bits::Bits;
 use super::grid::Cell;
-use super::World;
 use crate::Point;
 use serde::{Deserialize, Serialize};
 

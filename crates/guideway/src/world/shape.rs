@@ -46,7 +46,11 @@ impl Shape {
             let (a, b, c) = (points[i], points[(i + 1) % n], points[(i + 2) % n]);
             let (u, v) = (sub(b, a), sub(c, b));
             if cross(u, v) < -1e-12 * (norm(u) * norm(v)).max(1e-300) {
-                return Err(PlanError::bad("polygon", format!("{n} corners, reflex at ({}, {})", b[0], b[1]), "a convex polygon (split it into convex parts)"));
+                return Err(PlanError::bad(
+                    "polygon",
+                    format!("{n} corners, reflex at ({}, {})", b[0], b[1]),
+                    "a convex polygon (split it into convex parts)",
+                ));
             }
             turning += cross(u, v).atan2(dot(u, v));
         }

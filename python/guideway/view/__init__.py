@@ -1,0 +1,1 @@
+"""Pictures: the self-contained HTML report and figures for papers. Reads results, never calls a planner."""

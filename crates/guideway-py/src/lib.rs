@@ -1,6 +1,22 @@
-//! Python binding: conversion only.
+//! Python binding: conversion only. Arrays come and go as NumPy, records as plain dictionaries, errors as the classes of `guideway.errors`.
+
+mod convert;
+mod errors;
+mod path;
+mod plan;
+mod query;
+mod world;
 
 use pyo3::prelude::*;
 
 #[pymodule]
-mod _core {}
+mod _core {
+    #[pymodule_export]
+    use crate::path::Path;
+    #[pymodule_export]
+    use crate::plan::{Solution, plan, planners};
+    #[pymodule_export]
+    use crate::query::Query;
+    #[pymodule_export]
+    use crate::world::World;
+}

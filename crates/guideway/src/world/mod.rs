@@ -98,6 +98,22 @@ impl World {
         self.resolution
     }
 
+    /// Columns and rows of the cells that grid planners see.
+    pub fn cells(&self) -> [u32; 2] {
+        match &self.grid {
+            Some(grid) => [grid.width(), grid.height()],
+            None => [0, 1].map(|k| ((self.bounds[k + 2] - self.bounds[k]) / self.resolution).ceil() as u32),
+        }
+    }
+
+    /// A real-valued cell position (cell `(i, j)` covers `[i, i+1] x [j, j+1]`, row 0 at the bottom) in the map frame, m.
+    pub fn cell_to_map(&self, q: Point) -> Point {
+        match &self.grid {
+            Some(grid) => grid.to_map(q),
+            None => [0, 1].map(|k| self.bounds[k] + q[k] * self.resolution),
+        }
+    }
+
     /// May the reference point be here, obstacles aside?
     pub fn contains(&self, p: Point) -> bool {
         match &self.grid {

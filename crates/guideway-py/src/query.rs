@@ -1,0 +1,136 @@
+//! `Query`.
+
+use crate::convert::from_python;
+use crate::errors::{OrPy, to_py};
+use crate::world::World;
+use guideway::error::PlanError;
+use guideway::query::{self, Material};
+use guideway::world::{Corners, Footprint};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// From where to where, with which robot, how close to obstacles.
+///
+/// `start` and `goal` are (x, y) or (x, y, yaw) in m and rad. `corners` defaults by material: standard and heavy touch, long clear.
+#[pyclass(frozen, module = "guideway")]
+pub struct Query {
+    pub inner: query::Query,
+    #[pyo3(get)]
+    world: Py<World>,
+}
+
+#[pymethods]
+impl Query {
+    #[new]
+    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, corners=None, material="standard"))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
+    #[expect(clippy::needless_pass_by_value, reason = "the binding's extraction hands them over by value")]
+    fn new(
+        py: Python<'_>,
+        world: Py<World>,
+        start: Bound<'_, PyAny>,
+        goal: Bound<'_, PyAny>,
+        via: Option<Vec<[f64; 2]>>,
+        footprint: Option<Bound<'_, PyAny>>,
+        clearance: f64,
+        corners: Option<&str>,
+        material: &str,
+    ) -> PyResult<Self> {
+        let ((start, start_yaw), (goal, goal_yaw)) = (pose("start", &start)?, pose("goal", &goal)?);
+        let mut inner = query::Query::new(Arc::clone(&world.get().inner), start, goal);
+        (inner.start_yaw, inner.goal_yaw) = (start_yaw, goal_yaw);
+        inner.via = via.unwrap_or_default();
+        inner.clearance = clearance;
+        if let Some(footprint) = footprint {
+            inner.footprint = from_python::<Footprint>("footprint", &footprint)?.validated().or_py(py)?;
+        }
+        inner.material = match material {
+            "standard" => Material::Standard,
+            "long" => Material::Long,
+            "heavy" => Material::Heavy,
+            other => return Err(to_py(py, &PlanError::bad("material", other, "one of standard, long, heavy"))),
+        };
+        inner.corners = match corners {
+            Some("touch") => Corners::Touch,
+            Some("clear") => Corners::Clear,
+            Some("squeeze") => Corners::Squeeze,
+            Some(other) => return Err(to_py(py, &PlanError::bad("corners", other, "one of touch, clear, squeeze"))),
+            None if inner.material == Material::Long => Corners::Clear,
+            None => Corners::Touch,
+        };
+        Ok(Self { inner, world })
+    }
+
+    /// Start, m.
+    #[getter]
+    fn start(&self) -> [f64; 2] {
+        self.inner.start
+    }
+    /// Heading at the start, rad, or None.
+    #[getter]
+    fn start_yaw(&self) -> Option<f64> {
+        self.inner.start_yaw
+    }
+    /// Goal, m.
+    #[getter]
+    fn goal(&self) -> [f64; 2] {
+        self.inner.goal
+    }
+    /// Heading at the goal, rad, or None.
+    #[getter]
+    fn goal_yaw(&self) -> Option<f64> {
+        self.inner.goal_yaw
+    }
+    /// Points to pass in order, m.
+    #[getter]
+    fn via(&self) -> Vec<[f64; 2]> {
+        self.inner.via.clone()
+    }
+    /// Distance to keep between footprint and obstacles, m.
+    #[getter]
+    fn clearance(&self) -> f64 {
+        self.inner.clearance
+    }
+    /// Footprint as a dictionary.
+    #[getter]
+    fn footprint<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::convert::to_python(py, &self.inner.footprint)
+    }
+    /// touch, clear or squeeze.
+    #[getter]
+    fn corners<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::convert::to_python(py, &self.inner.corners)
+    }
+    /// standard, long or heavy.
+    #[getter]
+    fn material<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::convert::to_python(py, &self.inner.material)
+    }
+    /// Radius of the disc that planners keep free around the reference point, m.
+    #[getter]
+    fn radius(&self) -> f64 {
+        self.inner.radius()
+    }
+    /// Raises what is wrong with the query, if anything.
+    fn validate(&self, py: Python<'_>) -> PyResult<()> {
+        self.inner.validate().or_py(py)
+    }
+    fn __repr__(&self) -> String {
+        let q = &self.inner;
+        format!("Query({:?} -> {:?}, radius {} m, {:?}, {:?})", q.start, q.goal, q.radius(), q.corners, q.material)
+    }
+}
+
+fn pose(name: &str, object: &Bound<'_, PyAny>) -> PyResult<([f64; 2], Option<f64>)> {
+    if let Ok((x, y)) = object.extract::<(f64, f64)>() {
+        return Ok(([x, y], None));
+    }
+    if let Ok([x, y, yaw]) = object.extract::<[f64; 3]>() {
+        return Ok(([x, y], Some(yaw)));
+    }
+    if let Ok([x, y]) = object.extract::<[f64; 2]>() {
+        return Ok(([x, y], None));
+    }
+    let shown = object.repr().map_or_else(|_| "?".into(), |r| r.to_string());
+    Err(to_py(object.py(), &PlanError::bad(name, shown, "(x, y) or (x, y, yaw) in m and rad")))
+}

@@ -1,0 +1,185 @@
+//! `World` and the distance transform.
+
+use crate::convert::{from_python, points, rows, to_python};
+use crate::errors::{OrPy, to_py};
+use guideway::error::PlanError;
+use guideway::world::{self, Bits, Grid, Mover, Shape};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// What is blocked, where the robot may be, and how far away everything is. Immutable.
+#[pyclass(frozen, module = "guideway")]
+pub struct World {
+    pub inner: Arc<world::World>,
+    #[pyo3(get)]
+    source: Option<String>,
+    #[pyo3(get)]
+    sha256: Option<String>,
+}
+
+#[pymethods]
+impl World {
+    #[new]
+    #[pyo3(signature = (blocked=None, resolution=1.0, origin=[0.0, 0.0, 0.0], *, unknown=None, bounds=None, shapes=None, movers=None, source=None, sha256=None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
+    fn new(
+        py: Python<'_>,
+        blocked: Option<&Bound<'_, PyAny>>,
+        resolution: f64,
+        origin: [f64; 3],
+        unknown: Option<&Bound<'_, PyAny>>,
+        bounds: Option<[f64; 4]>,
+        shapes: Option<&Bound<'_, PyAny>>,
+        movers: Option<&Bound<'_, PyAny>>,
+        source: Option<String>,
+        sha256: Option<String>,
+    ) -> PyResult<Self> {
+        let shapes: Vec<Shape> = shapes.map_or(Ok(Vec::new()), |s| from_python("shapes", s))?;
+        let shapes = shapes.into_iter().map(checked).collect::<Result<Vec<_>, _>>().or_py(py)?;
+        let movers: Vec<Mover> = movers.map_or(Ok(Vec::new()), |m| from_python("movers", m))?;
+        let inner = if let Some(blocked) = blocked {
+            let bits = bits(blocked)?;
+            let unknown = unknown.map(|u| self::bits(u)).transpose()?;
+            if unknown.as_ref().is_some_and(|u| u.width() != bits.width() || u.height() != bits.height()) {
+                return Err(to_py(py, &PlanError::bad("unknown", "its shape", "the shape of blocked")));
+            }
+            let grid = Grid::new(bits, unknown, resolution, origin).or_py(py)?;
+            world::World::from_grid(grid).with_shapes(shapes)
+        } else {
+            let bounds = bounds.ok_or_else(|| to_py(py, &PlanError::bad("World", "neither blocked nor bounds", "an occupancy array, or bounds")))?;
+            world::World::from_shapes(bounds, shapes, resolution).or_py(py)?
+        };
+        Ok(Self { inner: Arc::new(inner.with_movers(movers)), source, sha256 })
+    }
+
+    /// Reads a map (map_server YAML, Moving AI, text) or the world of a scene TOML.
+    #[staticmethod]
+    #[pyo3(signature = (path, **options))]
+    fn load<'py>(py: Python<'py>, path: &Bound<'py, PyAny>, options: Option<&Bound<'py, pyo3::types::PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("guideway.worlds")?.getattr("load")?.call((path,), options)
+    }
+
+    /// Cells across (of the map, or of the lattice that grid planners see).
+    #[getter]
+    fn width(&self) -> u32 {
+        self.inner.cells()[0]
+    }
+    /// Cells up.
+    #[getter]
+    fn height(&self) -> u32 {
+        self.inner.cells()[1]
+    }
+    /// Side of a cell, m.
+    #[getter]
+    fn resolution(&self) -> f64 {
+        self.inner.resolution()
+    }
+    /// (x, y, yaw) of the lower-left corner, m, m, rad.
+    #[getter]
+    fn origin(&self) -> [f64; 3] {
+        self.inner.grid().map_or([self.inner.bounds()[0], self.inner.bounds()[1], 0.0], Grid::origin)
+    }
+    /// (x0, y0, x1, y1), m.
+    #[getter]
+    fn bounds(&self) -> [f64; 4] {
+        self.inner.bounds()
+    }
+    /// Analytic obstacles as dictionaries.
+    #[getter]
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.inner.shapes())
+    }
+    /// Moving obstacles as dictionaries.
+    #[getter]
+    fn movers<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.inner.movers())
+    }
+
+    /// Cells as uint8 of shape (height, width), row 0 on top: 0 free, 1 blocked, 2 unknown and blocked. None without a map.
+    fn occupancy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
+        let Some(grid) = self.inner.grid() else { return Ok(None) };
+        let (w, h) = (grid.width(), grid.height());
+        let mut cells = Vec::with_capacity(w as usize * h as usize);
+        for y in (0..h).rev() {
+            cells.extend((0..w).map(|x| match (grid.blocked().at(x, y), grid.unknown().is_some_and(|u| u.at(x, y))) {
+                (false, _) => 0,
+                (true, false) => 1u8,
+                (true, true) => 2,
+            }));
+        }
+        Ok(Some(PyArray1::from_vec(py, cells).reshape([h as usize, w as usize])?))
+    }
+
+    /// Exact distance to the nearest static obstacle at points of shape (n, 2), m; negative inside one.
+    fn clearance<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let rows = rows("points", points)?;
+        let inner = &self.inner;
+        let values: Vec<f64> = py.detach(|| rows.iter().map(|&p| inner.clearance(p)).collect());
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// Does a disc of this radius (m), swept along the segment from a to b (m), stay out of every static obstacle?
+    fn segment_free(&self, a: [f64; 2], b: [f64; 2], radius: f64) -> bool {
+        self.inner.segment_free(a, b, radius)
+    }
+
+    /// Centre (m) of cells given as (column, row), row 0 on top, shape (n, 2).
+    fn cell_centers<'py>(&self, py: Python<'py>, cells: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let [_, h] = self.inner.cells();
+        let rows = rows("cells", cells)?;
+        let centers: Vec<_> = rows.iter().map(|c| self.inner.cell_to_map([c[0] + 0.5, f64::from(h) - c[1] - 0.5])).collect();
+        self::points(py, &centers)
+    }
+
+    fn __repr__(&self) -> String {
+        let [w, h] = self.inner.cells();
+        let source = self.source.as_deref().unwrap_or("from memory");
+        format!(
+            "World({source}: {w} x {h} cells of {} m, {} shapes, {} movers)",
+            self.inner.resolution(),
+            self.inner.shapes().len(),
+            self.inner.movers().len()
+        )
+    }
+}
+
+fn checked(shape: Shape) -> Result<Shape, PlanError> {
+    match shape {
+        Shape::Disc { center, radius } => Shape::disc(center, radius),
+        Shape::Polygon { points } => Shape::polygon(points),
+    }
+}
+
+/// Packs a (height, width) array, row 0 on top, into bits with row 0 at the bottom.
+fn bits(object: &Bound<'_, PyAny>) -> PyResult<Bits> {
+    let py = object.py();
+    if let Ok(array) = object.extract::<PyReadonlyArray2<'_, bool>>() {
+        return pack(py, &array);
+    }
+    let bad = |_| to_py(py, &PlanError::bad("blocked", "the value given", "a boolean array of shape (height, width), true where blocked"));
+    let array = py.import("numpy")?.call_method1("asarray", (object, "bool")).map_err(bad)?;
+    pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(|e| bad(e.into()))?)
+}
+
+fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>) -> PyResult<Bits> {
+    let (h, w) = (array.shape()[0], array.shape()[1]);
+    if w == 0 || h == 0 || (w as u64).saturating_mul(h as u64) > world::MAX_CELLS {
+        return Err(to_py(py, &PlanError::bad("blocked", format!("shape ({h}, {w})"), format!("1 to {} cells", world::MAX_CELLS))));
+    }
+    let mut bits = Bits::new(w as u32, h as u32);
+    let view = array.as_array();
+    for (i, row) in view.rows().into_iter().enumerate() {
+        let words = bits.row_mut((h - 1 - i) as u32);
+        if let Some(cells) = row.as_slice() {
+            for (word, chunk) in words.iter_mut().zip(cells.chunks(64)) {
+                *word = chunk.iter().rev().fold(0, |acc, &b| acc << 1 | u64::from(b));
+            }
+        } else {
+            for (x, &b) in row.iter().enumerate() {
+                words[x / 64] |= u64::from(b) << (x % 64);
+            }
+        }
+    }
+    Ok(bits)
+}

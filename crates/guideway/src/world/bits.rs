@@ -61,6 +61,63 @@ impl Bits {
         }
         row[w0] & first != 0 || row[w1] & last != 0 || row[w0 + 1..w1].iter().any(|&w| w != 0)
     }
+    /// Is any column set in both rows `y` and `y + 1` at `x0 <= x <= x1` (clipped to the set)?
+    #[inline]
+    pub fn any_pair(&self, y: i64, x0: i64, x1: i64) -> bool {
+        let (x0, x1) = (x0.max(0), x1.min(i64::from(self.width) - 1));
+        if x0 > x1 || y < 0 || y + 1 >= i64::from(self.height) {
+            return false;
+        }
+        let (low, high) = (self.row(y as u32), self.row(y as u32 + 1));
+        let (w0, w1) = ((x0 >> 6) as usize, (x1 >> 6) as usize);
+        (w0..=w1).any(|i| {
+            let mut both = low[i] & high[i];
+            if i == w0 {
+                both &= !0u64 << (x0 & 63);
+            }
+            if i == w1 {
+                both &= !0u64 >> (63 - (x1 & 63));
+            }
+            both != 0
+        })
+    }
+    /// The bit at `(x, y)`; zero outside.
+    #[inline]
+    pub fn at_or_zero(&self, x: i64, y: i64) -> bool {
+        x >= 0 && y >= 0 && x < i64::from(self.width) && y < i64::from(self.height) && self.at(x as u32, y as u32)
+    }
+    /// The first column `x0 <= x <= x1` of row `y` whose bit is `on`; the columns must lie inside.
+    #[inline]
+    pub fn first(&self, y: u32, x0: u32, x1: u32, on: bool) -> Option<u32> {
+        let (row, flip) = (self.row(y), if on { 0 } else { !0 });
+        let mut i = (x0 >> 6) as usize;
+        let mut word = (row[i] ^ flip) & (!0 << (x0 & 63));
+        while word == 0 {
+            i += 1;
+            if i > (x1 >> 6) as usize {
+                return None;
+            }
+            word = row[i] ^ flip;
+        }
+        let x = (i << 6) as u32 + word.trailing_zeros();
+        (x <= x1).then_some(x)
+    }
+    /// The last column `x0 <= x <= x1` of row `y` whose bit is `on`; the columns must lie inside.
+    #[inline]
+    pub fn last(&self, y: u32, x0: u32, x1: u32, on: bool) -> Option<u32> {
+        let (row, flip) = (self.row(y), if on { 0 } else { !0 });
+        let mut i = (x1 >> 6) as usize;
+        let mut word = (row[i] ^ flip) & (!0 >> (63 - (x1 & 63)));
+        while word == 0 {
+            if i <= (x0 >> 6) as usize {
+                return None;
+            }
+            i -= 1;
+            word = row[i] ^ flip;
+        }
+        let x = (i << 6) as u32 + 63 - word.leading_zeros();
+        (x >= x0).then_some(x)
+    }
     /// Number of set bits.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()

@@ -4,10 +4,12 @@
 //! point but is no obstacle: it costs no clearance. Worlds are immutable; moving obstacles overlay them in time.
 
 mod bits;
+mod clearance;
 mod footprint;
 mod grid;
 mod lattice;
 mod mover;
+mod segment;
 pub mod shape;
 
 pub use bits::Bits;
@@ -20,6 +22,9 @@ pub use shape::Shape;
 use crate::Point;
 use crate::error::PlanError;
 use std::sync::{Arc, Mutex};
+
+/// Obstacles may be touched; contact is told from penetration up to this distance, m.
+const TOUCH: f64 = 1e-9;
 
 /// A static world with the movers that overlay it.
 #[derive(Debug)]
@@ -122,14 +127,25 @@ impl World {
         }
     }
 
-    /// Exact distance from `p` to the nearest static obstacle, m; negative inside one, infinite if there is none.
+    /// Exact distance from `p` (m) to the nearest static obstacle, m; infinite if there is none, not a number if `p` is not finite.
+    ///
+    /// Blocked cells are closed squares and count as one obstacle. Inside it the value is minus the distance to the nearest point outside (also on an
+    /// edge shared by two blocked cells), inside a shape minus the distance to its border; inside several obstacles the deepest counts.
     pub fn clearance(&self, p: Point) -> f64 {
-        let shapes = self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
-        let grid = self.grid.as_ref().map_or(f64::INFINITY, |g| grid_clearance(g, p));
-        shapes.min(grid)
+        self.clearance_within(p, f64::INFINITY)
     }
 
-    /// Does a disc of radius `radius` (m) fit at `p`? Fast for a point on a grid. A point robot needs a free cell.
+    /// As [`World::clearance`] where that is below `reach` (m); anything from `reach` up elsewhere. The cost grows with `reach`, not with the map.
+    pub fn clearance_within(&self, p: Point, reach: f64) -> f64 {
+        let shapes = self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
+        let grid = self.grid.as_ref().map_or(f64::INFINITY, |g| {
+            let d = clearance::signed(g.blocked(), g.to_cells(p), reach / g.resolution());
+            d * g.resolution()
+        });
+        if grid.is_nan() { grid } else { shapes.min(grid) }
+    }
+
+    /// Does a disc of radius `radius` (m) fit at `p`? Touching (to 1e-9 m) is fitting. A point robot on a grid needs a free cell.
     pub fn fits(&self, p: Point, radius: f64) -> bool {
         if radius == 0.0
             && self.shapes.is_empty()
@@ -137,17 +153,39 @@ impl World {
         {
             return grid.cell_at(p).is_some_and(|[x, y]| !grid.blocked().at(x, y));
         }
-        self.clearance(p) >= radius - 1e-9
+        self.clearance_within(p, radius) >= radius - TOUCH
     }
 
-    /// Does a disc of radius `radius` (m) swept along the segment `a b` stay out of the interior of every static obstacle?
-    /// Exact up to 1e-9 m. Radius 0 is a point: it may slide along walls and touch corners, but not pass between two blocked cells that meet at a corner.
+    /// Does a disc of radius `radius` (m) swept along the segment `a b` stay inside the world and out of the interior of every static obstacle?
+    ///
+    /// Exact up to 1e-9 m: touching is allowed. Radius 0 is a point: it may slide along walls and touch corners, but not pass along the shared edge of
+    /// two blocked cells, nor through the gap of width zero where two blocked cells meet at a corner (it may end there).
     pub fn segment_free(&self, a: Point, b: Point, radius: f64) -> bool {
-        let n = (shape::distance(a, b) / (self.resolution * 0.05)).ceil().max(1.0);
-        (0..=n as u32).all(|i| {
-            let t = f64::from(i) / n;
-            self.clearance([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]) >= radius - 1e-9
-        })
+        if !(self.nearly_contains(a) && self.nearly_contains(b)) {
+            return false;
+        }
+        if let Some(grid) = &self.grid {
+            let (p, q, scale) = (grid.to_cells(a), grid.to_cells(b), grid.resolution());
+            let eps = TOUCH / scale;
+            let free = if radius > 2.0 * TOUCH {
+                segment::capsule_free(grid.blocked(), p, q, radius / scale - eps)
+            } else {
+                segment::point_free(grid.blocked(), p, q, eps)
+            };
+            if !free {
+                return false;
+            }
+        }
+        self.shapes.iter().all(|s| s.segment_distance(a, b) >= radius - TOUCH)
+    }
+
+    /// As [`World::contains`], 1e-9 m more on every side; false for points that are not finite.
+    fn nearly_contains(&self, p: Point) -> bool {
+        let (q, [x0, y0, x1, y1], slack) = match &self.grid {
+            Some(grid) => (grid.to_cells(p), [0.0, 0.0, f64::from(grid.width()), f64::from(grid.height())], TOUCH / grid.resolution()),
+            None => (p, self.bounds, TOUCH),
+        };
+        q[0] >= x0 - slack && q[1] >= y0 - slack && q[0] <= x1 + slack && q[1] <= y1 + slack
     }
 
     /// The lattice that grid planners see for a disc of radius `radius` (m); built once per radius and kept.
@@ -164,19 +202,4 @@ impl World {
         kept.push((key, Arc::clone(&lattice)));
         lattice
     }
-}
-
-fn grid_clearance(grid: &Grid, p: Point) -> f64 {
-    let q = grid.to_cells(p);
-    let mut best = f64::INFINITY;
-    for y in 0..grid.height() {
-        for x in 0..grid.width() {
-            if grid.blocked().at(x, y) {
-                let (dx, dy) = ((q[0] - f64::from(x) - 0.5).abs() - 0.5, (q[1] - f64::from(y) - 0.5).abs() - 0.5);
-                let d = if dx < 0.0 && dy < 0.0 { dx.max(dy) } else { dx.max(0.0).hypot(dy.max(0.0)) };
-                best = best.min(d);
-            }
-        }
-    }
-    best * grid.resolution()
 }

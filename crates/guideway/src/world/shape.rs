@@ -78,20 +78,61 @@ impl Shape {
         }
     }
 
-    /// Smallest distance from the segment `a b` to the shape, m; zero or negative when they meet.
+    /// Smallest signed distance from the points of the segment `a b` to the shape, m; negative when it enters the interior.
     pub fn segment_distance(&self, a: Point, b: Point) -> f64 {
         match self {
             Self::Disc { center, radius } => point_segment(*center, a, b) - radius,
             Self::Polygon { points } => {
-                let mut best = self.distance(a).min(self.distance(b));
-                let n = points.len();
-                for i in 0..n {
-                    best = best.min(segment_segment(a, b, points[i], points[(i + 1) % n]));
+                let deepest = deepest(points, a, b);
+                if deepest <= 0.0 {
+                    return deepest;
                 }
-                best
+                let n = points.len();
+                (0..n).map(|i| segment_segment(a, b, points[i], points[(i + 1) % n])).fold(f64::INFINITY, f64::min)
             }
         }
     }
+}
+
+/// Smallest value along the segment `a b` of the largest signed distance to the lines through the sides of a convex polygon: negative depth
+/// where the segment enters it. That function of the way along the segment is convex and piecewise linear, so cutting planes find its
+/// minimum in at most one step per side.
+fn deepest(points: &[Point], a: Point, b: Point) -> f64 {
+    let n = points.len();
+    // Value and slope of the highest line at `t`.
+    let top = |t: f64| {
+        let mut best = (f64::NEG_INFINITY, 0.0);
+        for i in 0..n {
+            let (c, e) = (points[i], sub(points[(i + 1) % n], points[i]));
+            let length = norm(e).max(1e-300);
+            let (at_a, at_b) = (cross(sub(a, c), e) / length, cross(sub(b, c), e) / length);
+            let value = at_a + t * (at_b - at_a);
+            if value > best.0 {
+                best = (value, at_b - at_a);
+            }
+        }
+        best
+    };
+    let (mut t0, mut t1) = (0.0, 1.0);
+    let (mut left, mut right) = (top(t0), top(t1));
+    if left.1 >= 0.0 {
+        return left.0;
+    }
+    if right.1 <= 0.0 {
+        return right.0;
+    }
+    let mut best = left.0.min(right.0);
+    for _ in 0..=n {
+        let (u, v) = (left.0 - left.1 * t0, right.0 - right.1 * t1);
+        let t = ((v - u) / (left.1 - right.1)).clamp(t0, t1);
+        let middle = top(t);
+        best = best.min(middle.0);
+        if t <= t0 || t >= t1 || middle.1 == 0.0 {
+            break;
+        }
+        if middle.1 < 0.0 { (t0, left) = (t, middle) } else { (t1, right) = (t, middle) }
+    }
+    best
 }
 
 /// `a - b`.

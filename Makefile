@@ -1,3 +1,60 @@
-.PHONY: test
-test:
-	cargo test
+# `make demo` and `make test` set up everything they need in .venv/ from Python >= 3.10 and Rust alone.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock pyproject.toml
+PYTHON_SOURCES := $(shell find python -type f -not -name '*.so' -not -path '*/__pycache__/*')
+
+.PHONY: demo test test-slow lint fmt bench docs clean tools
+
+demo: $(VENV)/.installed
+	$(BIN)/guideway demo --out guideway-demo
+
+test: $(VENV)/.tested
+	cargo test --quiet --package guideway
+	$(BIN)/python -m pytest -q tests/python
+	$(MAKE) --no-print-directory lint
+
+test-slow: $(VENV)/.tested
+	cargo test --release --package guideway --features slow
+	$(BIN)/python -m pytest -q tests/python --run-slow
+
+lint: $(VENV)/.tested
+	cargo fmt --check
+	cargo clippy --quiet --workspace --all-targets -- -D warnings
+	$(BIN)/ruff format --check python tests benches examples fuzz
+	$(BIN)/ruff check python tests benches examples fuzz
+	$(BIN)/pyright --pythonpath $(BIN)/python
+
+fmt: $(VENV)/.tested
+	cargo fmt
+	$(BIN)/ruff format python tests benches examples fuzz
+	$(BIN)/ruff check --fix python tests benches examples fuzz
+
+bench: $(VENV)/.tested
+	$(BIN)/python -m pip install --quiet -c constraints.txt -r benches/requirements.txt
+	$(BIN)/python benches/run.py
+
+docs: $(VENV)/.installed
+	cargo doc --no-deps --package guideway
+	$(BIN)/python docs/build.py
+
+tools:
+	@command -v cargo >/dev/null || { echo "Guideway needs Rust (cargo) 1.88 or newer, and it is not on the PATH: install it with rustup, then run make again." >&2; exit 1; }
+	@command -v $(PYTHON) >/dev/null || { echo "Guideway needs Python 3.10 or newer as '$(PYTHON)': install it, or call make PYTHON=/path/to/python3." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys, venv; sys.exit(sys.version_info < (3, 10))' || { echo "Guideway needs Python 3.10 or newer with the venv module; '$(PYTHON)' is not." >&2; exit 1; }
+
+$(BIN)/python: | tools
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet -c constraints.txt .
+	@touch $@
+
+$(VENV)/.tested: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.[figures,test]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) target guideway-demo

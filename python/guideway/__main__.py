@@ -1,0 +1,7 @@
+"""``python -m guideway``."""
+
+import sys
+
+from guideway.cli import main
+
+sys.exit(main())

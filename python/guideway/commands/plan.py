@@ -1,0 +1,244 @@
+"""``guideway plan``: a map or scene in, a certified, timed path out."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from dataclasses import replace
+from typing import Any
+
+from guideway import _core, jobs, records
+from guideway.commands import options
+from guideway.errors import BadFile, BadParameter
+from guideway.worlds import footprint_record, world_of
+
+EXAMPLES = """examples:
+  guideway plan warehouse.yaml --start 1,2 --goal 18.5,7.5 --footprint disc:0.35 --clearance 0.1 --out plan.json
+  guideway plan room.toml --report room.html
+  guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
+  guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100
+  guideway plan --list pso-aco"""
+
+
+def declare(parser: argparse.ArgumentParser) -> None:
+    """Names the options."""
+    parser.epilog = EXAMPLES
+    parser.add_argument("map", nargs="?", metavar="MAP", help="map_server *.yaml, Moving AI *.map, text *.txt, or scene or job *.toml")
+    parser.add_argument("--list", nargs="?", const="", metavar="NAME", help="planners with a line each, or the parameters of one")
+    parser.add_argument("--scen", metavar="FILE", help="every row of a Moving AI scenario, one JSON object per row")
+    parser.add_argument("--limit", type=int, metavar="N", help="only the first N rows of the scenario")
+    where = parser.add_argument_group("query")
+    where.add_argument("--start", metavar="X,Y[,YAW]", help="start in m and rad, map frame")
+    where.add_argument("--goal", metavar="X,Y[,YAW]", help="goal in m and rad, map frame")
+    where.add_argument("--start-cell", metavar="COL,ROW", help="start as a cell of the image, row 0 on top")
+    where.add_argument("--goal-cell", metavar="COL,ROW", help="goal as a cell of the image, row 0 on top")
+    where.add_argument("--via", metavar="X,Y", action="append", help="a point to pass, in order; may be repeated")
+    where.add_argument("--footprint", metavar="SHAPE", help="disc:R, box:L,W or polygon:x,y;x,y;... in m (default a point)")
+    where.add_argument("--clearance", type=float, metavar="M", help="distance to keep from obstacles, m (default 0)")
+    where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed")
+    where.add_argument("--material", metavar="KIND", help="standard (shortest), long (safest) or heavy (least energy)")
+    where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
+    where.add_argument("--thresholds", choices=["inclusive", "strict"], help="reading of map_server thresholds (default that of current Nav2)")
+    options.add_method(parser)
+    shape = parser.add_argument_group("motion")
+    shape.add_argument("--refine", metavar="HOW", help="none, simplify or smooth (default)")
+    shape.add_argument("--max-curvature", type=float, metavar="K", help="largest curvature, 1/m; met where it can be, reported where not")
+    for name, unit in (("speed", "m/s"), ("acceleration", "m/s2"), ("deceleration", "m/s2"), ("jerk", "m/s3")):
+        shape.add_argument(f"--{name}", type=float, metavar=name[0].upper(), help=f"largest {name}, {unit}")
+    shape.add_argument("--no-timing", action="store_true", help="a path only, no motion in time")
+    out = parser.add_argument_group("output")
+    out.add_argument("--out", metavar="FILE", help="the record as JSON")
+    out.add_argument("--report", metavar="FILE", help="a self-contained HTML report")
+    out.add_argument("--csv", metavar="FILE", help="the motion at 100 Hz")
+    out.add_argument("--json", action="store_true", help="the record on stdout, and nothing else there")
+    parser.set_defaults(handler=handle)
+
+
+def handle(arguments: argparse.Namespace) -> int:
+    """Runs the verb."""
+    if arguments.list is not None:
+        return _list(arguments.list, arguments.json)
+    if arguments.map is None:
+        raise BadParameter("guideway plan needs a MAP (*.yaml, *.map, *.txt or *.toml), or --list. See 'guideway plan --help'")
+    _check(arguments)
+    if arguments.scen is not None:
+        from guideway.commands.scenario import run_scenario
+
+        return run_scenario(arguments)
+    job, out, report = job_of(arguments)
+    _writable(out, report, arguments.csv)
+    try:
+        outcome = jobs.run(job, options.folder_of(out))
+    except KeyboardInterrupt as interrupt:
+        found = getattr(interrupt, "outcome", None)
+        if found is not None:
+            _deliver(arguments, found, out, report)
+            options.note("guideway: interrupted; what was found so far is written")
+            return 130
+        raise
+    _deliver(arguments, outcome, out, report)
+    return 0
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    for name in ("speed", "acceleration", "deceleration", "jerk", "max_curvature"):
+        options.positive("--" + name.replace("_", "-"), getattr(arguments, name))
+    for name in ("seed", "iterations", "evaluations", "limit"):
+        options.count("--" + name, getattr(arguments, name))
+    for first, second in (("start", "start_cell"), ("goal", "goal_cell")):
+        if getattr(arguments, first) and getattr(arguments, second):
+            raise BadParameter(f"--{first} and --{second.replace('_', '-')} are two ways to say one thing: give one of them")
+
+
+def read(arguments: argparse.Namespace) -> Any:
+    """The map or scene, as the readers found it."""
+    from guideway.io import read as read_file
+
+    given = {"unknown": arguments.unknown} | ({"thresholds": arguments.thresholds} if arguments.thresholds else {})
+    return read_file(arguments.map, **given)
+
+
+def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | None]:
+    """The job: what the file says, overridden by the options; and where its results go."""
+    found = read(arguments)
+    world = world_of(found)
+    job = _from_scene(found, world) if found.kind == "scene" else jobs.Job(world, (), ())
+    table = found.plan if found.kind == "scene" else None
+    for name in ("clearance", "corners", "material", "planner", "seed", "refine", "max_curvature"):
+        given = getattr(arguments, name)
+        if given is not None:
+            setattr(job, name, given)
+    if arguments.footprint is not None:
+        job.footprint = options.footprint(arguments.footprint)
+    job.start, job.goal = _end(arguments, "start", job.start, world), _end(arguments, "goal", job.goal, world)
+    if arguments.via:
+        job.via = [_pair(options.numbers("--via", text, (2,), "X,Y")) for text in arguments.via]
+    job.set = job.set | dict(options.setting(text) for text in arguments.set)
+    job.limits = _limits(job.limits, arguments)
+    given = {name: value for name in ("iterations", "evaluations", "seconds") if (value := getattr(arguments, name)) is not None}
+    job.budget = replace(job.budget, **given)
+    job.timing = not arguments.no_timing
+    job.observe = records.progress if sys.stderr.isatty() else None
+    if job.refine not in ("none", "simplify", "smooth"):
+        raise BadParameter(f"--refine {job.refine!r} is not known: one of none, simplify, smooth")
+    return job, arguments.out or (table and table.out), arguments.report or (table and table.report)
+
+
+def _from_scene(scene: Any, world: _core.World) -> jobs.Job:
+    query, table, robot = scene.query, scene.plan, scene.robot
+    job = jobs.Job(world, (), (), footprint=footprint_record(robot.footprint))
+    names = ("speed", "acceleration", "deceleration", "jerk", "turn_rate", "turn_acceleration", "lateral_acceleration")
+    job.limits = records.Limits(**{name: getattr(robot, name) for name in names})
+    if query is not None:
+        job.start = () if query.start is None else (*query.start, *([] if query.start_yaw is None else [query.start_yaw]))
+        job.goal = () if query.goal is None else (*query.goal, *([] if query.goal_yaw is None else [query.goal_yaw]))
+        job.via, job.clearance, job.material = list(query.via), query.clearance, query.material
+    if table is not None:
+        job.planner, job.refine = table.planner or job.planner, table.refine or job.refine
+        job.set, job.seed, job.corners = dict(table.set), table.seed or 0, table.corners
+        job.budget = records.Budget(table.iterations, table.evaluations, table.seconds)
+    return job
+
+
+def _end(arguments: argparse.Namespace, name: str, known: tuple[float, ...], world: _core.World) -> tuple[float, ...]:
+    text, cell = getattr(arguments, name), getattr(arguments, f"{name}_cell")
+    if text is not None:
+        return options.numbers(f"--{name}", text, (2, 3), "X,Y or X,Y,YAW")
+    if cell is not None:
+        column, row = options.cell(f"--{name}-cell", cell)
+        if not (0 <= column < world.width and 0 <= row < world.height):
+            raise BadParameter(f"--{name}-cell {cell} is outside the map: columns 0 to {world.width - 1}, rows 0 to {world.height - 1}")
+        return jobs.cell_to_point(world, (column, row))
+    if not known:
+        raise BadParameter(f"no {name} given: use --{name} X,Y (m) or --{name}-cell COL,ROW, or a scene with a [query] table")
+    return known
+
+
+def _pair(values: tuple[float, ...]) -> tuple[float, float]:
+    return values[0], values[1]
+
+
+def _limits(limits: records.Limits, arguments: argparse.Namespace) -> records.Limits:
+    given = {n: v for n in ("speed", "acceleration", "deceleration", "jerk") if (v := getattr(arguments, n)) is not None}
+    if "acceleration" in given and "deceleration" not in given:
+        given["deceleration"] = given["acceleration"]  # a deceleration left out equals the acceleration
+    return replace(limits, **given)
+
+
+def _writable(*paths: str | None) -> None:
+    """Finds out before the work, not after it, that a result has nowhere to go."""
+    for path in filter(None, paths):
+        folder = options.folder_of(path)
+        if not os.path.isdir(folder):
+            raise BadFile(path, f"its folder {folder!r} does not exist", "", "Create it or choose another place")
+        if os.path.isdir(path):
+            raise BadFile(path, "it is a folder", "a file name")
+
+
+def _deliver(arguments: argparse.Namespace, outcome: jobs.Outcome, out: str | None, report: str | None) -> None:
+    record = outcome.record
+    if out:
+        options.write(out, options.sealed_json(record))
+    if arguments.csv:
+        if outcome.trajectory is None:
+            raise BadParameter("--csv needs a motion in time: leave out --no-timing")
+        options.write(arguments.csv, csv_text(outcome.trajectory))
+    if report:
+        from guideway.view import report as write_report
+
+        write_report([record], report, worlds=[outcome.query.world])
+    if arguments.json:
+        sys.stdout.write(options.sealed_json(record))
+    else:
+        print(summary(record))
+        for path in filter(None, (out, arguments.csv, report)):
+            print(f"wrote        {path}")
+
+
+def csv_text(trajectory: _core.Trajectory) -> str:
+    """The motion at 100 Hz as CSV."""
+    rows = trajectory.sample(100.0).tolist()
+    lines = (",".join(f"{value:.9g}" for value in row) for row in rows)
+    return "t,x,y,yaw,speed,acceleration,jerk,curvature\n" + "\n".join(lines) + "\n"
+
+
+def summary(record: dict[str, Any]) -> str:
+    """A few lines for people."""
+    search, metrics, reference = record["search"], record["metrics"], record["reference"]
+    lines = [f"{record['planner']:<12} {search['raw_length']:.3f} m in {1e3 * search['seconds']:.2f} ms ({search['stop']})"]
+    if reference["any_angle_gap"] is not None:
+        lines.append(f"reference    {100 * reference['any_angle_gap']:.2f} % longer than the exact optimum of {reference['any_angle_optimum']:.3f} m")
+    curvature = "corners" if metrics["max_curvature"] is None else f"curvature up to {metrics['max_curvature']:.2f} 1/m"
+    clearance = "no obstacle near" if metrics["min_clearance"] is None else f"{metrics['min_clearance']:.3f} m clear"
+    lines.append(f"path         {metrics['length']:.3f} m, {metrics['turns']} turns, {curvature}, {clearance}")
+    if record["trajectory"]:
+        lines.append(f"motion       {record['trajectory']['duration']:.2f} s in {len(record['trajectory']['pieces'])} pieces")
+    lines.append(f"certificate  {'ok' if record['certificate']['ok'] else 'FAILED'}: {len(record['certificate']['checks'])} checks")
+    lines.extend(f"not met      {text}" for text in record["unmet"])
+    return "\n".join(lines)
+
+
+def _list(name: str, as_json: bool) -> int:
+    entries = _core.planners()
+    if name:
+        entries = [entry for entry in entries if entry["name"] == name]
+        if not entries:
+            known = ", ".join(entry["name"] for entry in _core.planners())
+            raise BadParameter(f"planner {name!r} is not known: one of {known}")
+    if as_json:
+        print(json.dumps(entries))
+    elif not name:
+        for entry in entries:
+            print(f"{entry['name']:<18} {entry['about']}")
+    else:
+        entry = entries[0]
+        print(f"{entry['name']}: {entry['about']}\nsource: {entry['source']}\n")
+        for parameter in entry["parameters"]:
+            print(f"  {parameter['name']} = {json.dumps(parameter['default'])}\n      {parameter['about']}")
+        if not entry["parameters"]:
+            print("  no parameters")
+    return 0
+
+

@@ -1,0 +1,185 @@
+"""A job (map, query, method, limits) through the whole flow: plan, refine, time, certify, measure against the exact optimum."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from guideway import _core
+from guideway.records import Budget, Limits
+
+Observer = Callable[[dict[str, Any]], bool]
+
+
+@dataclass
+class Job:
+    """Everything that decides a plan. ``footprint`` is a record (``{"disc": 0.35}``), points in m, yaw in rad."""
+
+    world: _core.World
+    start: tuple[float, ...]
+    goal: tuple[float, ...]
+    via: list[tuple[float, float]] = field(default_factory=list)
+    footprint: dict[str, Any] = field(default_factory=lambda: {"disc": 0.0})
+    clearance: float = 0.0
+    corners: str | None = None
+    material: str = "standard"
+    planner: str = "visibility"
+    set: dict[str, Any] = field(default_factory=dict)
+    seed: int = 0
+    budget: Budget = field(default_factory=Budget)
+    refine: str = "smooth"
+    max_curvature: float | None = None
+    limits: Limits = field(default_factory=Limits)
+    timing: bool = True
+    observe: Observer | None = None
+
+    def query(self) -> _core.Query:
+        """The core query of this job."""
+        return _core.Query(
+            self.world,
+            self.start,
+            self.goal,
+            via=self.via,
+            footprint=self.footprint,
+            clearance=self.clearance,
+            corners=self.corners,
+            material=self.material,
+        )
+
+
+@dataclass
+class Outcome:
+    """A finished job: the record of ``plan.json`` and the objects behind it."""
+
+    record: dict[str, Any]
+    query: _core.Query
+    solution: _core.Solution
+    path: _core.Path
+    trajectory: _core.Trajectory | None
+
+
+def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
+    """Plans, refines, times, certifies and measures; ``folder`` is where the record will lie (its map is named relative to it).
+
+    Raises the errors of :mod:`guideway.errors`; on Ctrl-C ``KeyboardInterrupt`` with an attribute ``outcome`` (or None).
+    """
+    query = job.query()
+    try:
+        solution = _core.plan(query, job.planner, seed=job.seed, budget=job.budget, set=job.set or None, observe=job.observe)
+    except KeyboardInterrupt as interrupt:
+        found: _core.Solution | None = getattr(interrupt, "solution", None)
+        interrupt.outcome = None if found is None else finish(job, query, found, folder, quick=True)  # type: ignore[attr-defined]
+        raise
+    return finish(job, query, solution, folder)
+
+
+def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str | os.PathLike[str], quick: bool = False) -> Outcome:
+    """From a planner's solution to the outcome; ``quick`` leaves out refinement, timing and references."""
+    refined = _core.refine(solution.path, query, "none" if quick else job.refine, max_curvature=job.max_curvature)
+    trajectory = solution.trajectory
+    if job.timing and not quick and trajectory is None:
+        trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw)
+    certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature)
+    if not certificate["ok"]:
+        failed = ", ".join(check["name"] for check in certificate["checks"] if not check["ok"])
+        from guideway.errors import CertificateFailed
+
+        raise CertificateFailed(f"the result failed its certificate ({failed}); it is withheld. This is a bug in Guideway: please report it")
+    record = {
+        "guideway": _core.__version__,
+        "schema": 1,
+        "planner": job.planner,
+        "parameters": parameters(job),
+        "seed": job.seed,
+        "world": world_record(job.world, folder),
+        "query": query_record(query),
+        "path": path_record(refined.path),
+        "polyline": _core.polyline(refined.path, query).tolist(),
+        "grid_path": None if solution.grid_path is None else solution.grid_path.tolist(),
+        "raw_path": _core.polyline(solution.path, query).tolist(),
+        "metrics": _core.measure(refined.path, query),
+        "search": search_record(solution),
+        "reference": reference_record(query, solution, quick),
+        "certificate": certificate,
+        "unmet": refined.unmet,
+        "trajectory": None if trajectory is None else trajectory_record(trajectory, job.limits),
+        "speed_ceiling": None if trajectory is None else _core.ceiling(refined.path, job.limits).tolist(),
+    }
+    return Outcome(record, query, solution, refined.path, trajectory)
+
+
+def parameters(job: Job) -> dict[str, Any]:
+    """The planner's parameters, defaults filled in."""
+    entry = next(entry for entry in _core.planners() if entry["name"] == job.planner)
+    return {p["name"]: p["default"] for p in entry["parameters"]} | job.set
+
+
+def world_record(world: _core.World, folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """The ``world`` of a record; its source is named relative to ``folder`` where it can be."""
+    source = world.source
+    if source is not None and os.path.exists(source):
+        try:
+            source = os.path.relpath(source, folder)
+        except ValueError:  # another drive
+            source = os.path.abspath(source)
+    size = {"width": world.width, "height": world.height, "resolution": world.resolution, "origin": list(world.origin)}
+    return {"source": source, "sha256": world.sha256} | size
+
+
+def query_record(query: _core.Query) -> dict[str, Any]:
+    """The ``query`` of a record."""
+    return {
+        "start": list(query.start) + ([] if query.start_yaw is None else [query.start_yaw]),
+        "goal": list(query.goal) + ([] if query.goal_yaw is None else [query.goal_yaw]),
+        "via": [list(point) for point in query.via],
+        "footprint": query.footprint,
+        "clearance": query.clearance,
+        "corners": query.corners,
+        "material": query.material,
+    }
+
+
+def path_record(path: _core.Path) -> dict[str, Any]:
+    """The ``path`` of a record."""
+    return {"degree": path.degree, "knots": path.knots.tolist(), "control_points": path.control_points.tolist()}
+
+
+def search_record(solution: _core.Solution) -> dict[str, Any]:
+    """The ``search`` of a record."""
+    return {
+        "iterations": solution.iterations,
+        "evaluations": solution.evaluations,
+        "seconds": solution.seconds,
+        "stop": solution.stop,
+        "history": [[int(iteration), cost] for iteration, cost in solution.history.tolist()],
+        "raw_length": solution.cost,
+    }
+
+
+def reference_record(query: _core.Query, solution: _core.Solution, quick: bool) -> dict[str, Any]:
+    """The exact optima of the same model and the gaps to them; null where there is none."""
+    empty = {"grid_optimum": None, "grid_gap": None, "any_angle_optimum": None, "any_angle_gap": None, "proved": False, "path": None}
+    if quick:
+        return empty
+    return empty | _core.reference(query, solution)
+
+
+def trajectory_record(trajectory: _core.Trajectory, limits: Limits) -> dict[str, Any]:
+    """The ``trajectory`` of a record."""
+    kept = ("speed", "acceleration", "deceleration", "jerk", "turn_rate", "lateral_acceleration")
+    nominal = limits.to_dict()
+    return {"duration": trajectory.duration, "limits": {name: nominal[name] for name in kept}, "pieces": trajectory.pieces}
+
+
+def cell_to_point(world: _core.World, cell: tuple[int, int]) -> tuple[float, float]:
+    """Centre (m) of a cell as the image has it: column, row, row 0 on top."""
+    x, y = world.cell_centers([cell])[0].tolist()
+    return x, y
+
+
+def finite(value: float) -> float | None:
+    """JSON has no infinity."""
+    return value if math.isfinite(value) else None

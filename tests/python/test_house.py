@@ -1,0 +1,60 @@
+"""The import rule of the house: data flows one way, and so do imports."""
+
+import ast
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FLOORS = ["error", "context", "world", "path", "query", "timing", "certify", "optimize", "refine", "plan", "drive"]
+EXTRA = {"arm": {"error", "path", "query", "timing"}, "optimize": {"error", "context"}}
+
+
+def rust_imports():
+    source = ROOT / "crates/guideway/src"
+    for file in source.rglob("*.rs"):
+        floor = file.relative_to(source).parts[0].removesuffix(".rs")
+        if floor == "lib" or file.stem == "tests":
+            continue
+        text = re.split(r"#\[cfg\(test\)\]", file.read_text())[0]
+        for name in re.findall(r"\bcrate::(\w+)", text):
+            if name in FLOORS or name in EXTRA:
+                yield file.relative_to(ROOT), floor, name
+
+
+def test_rust_modules_only_see_the_floors_below():
+    seen = 0
+    for file, floor, name in rust_imports():
+        seen += 1
+        if floor == name:
+            continue
+        allowed = EXTRA.get(floor) or set(FLOORS[: FLOORS.index(floor)])
+        assert name in allowed, f"{file}: {floor} may not see {name}"
+    assert seen > 20
+
+
+def python_imports(package):
+    for file in (ROOT / "python/guideway").rglob("*.py"):
+        parts = file.relative_to(ROOT / "python/guideway").parts
+        if parts[0].removesuffix(".py") != package:
+            continue
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                yield file.name, node.module
+            elif isinstance(node, ast.Import):
+                yield from ((file.name, alias.name) for alias in node.names)
+
+
+def test_view_and_io_never_import_each_other():
+    assert not [module for _, module in python_imports("view") if module.startswith("guideway.io")]
+    assert not [module for _, module in python_imports("io") if module.startswith("guideway.view")]
+
+
+def test_readers_and_pictures_do_not_touch_the_core():
+    for package in ("view", "io"):
+        assert not [module for _, module in python_imports(package) if module.startswith("guideway._core")]
+
+
+def test_files_stay_short():
+    files = [*(ROOT / "crates").rglob("*.rs"), *(ROOT / "python").rglob("*.py"), *(ROOT / "tests").rglob("*.py")]
+    long = [str(file.relative_to(ROOT)) for file in files if "target" not in file.parts and len(file.read_text().splitlines()) > 500]
+    assert not long, f"files over 500 lines: {long}"

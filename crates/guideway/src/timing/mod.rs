@@ -1,7 +1,9 @@
 //! From a path and limits to a motion in time.
 
+pub mod scurve;
 mod trajectory;
 
+pub use scurve::{Bounds, Jerks, Profile, SCurve};
 pub use trajectory::{Piece, State, Trajectory};
 
 use crate::context::Context;

@@ -99,7 +99,18 @@ macro_rules! entry {
 }
 
 /// Every planner, one line each.
-pub const REGISTRY: &[Entry] = &[];
+pub const REGISTRY: &[Entry] = &[
+    entry!("dijkstra", search::Dijkstra, true, "dijkstra1959", "Exact shortest lattice path, uninformed; the oracle of the other searches", []),
+    entry!("astar", search::AStar, true, "hart1968", "Exact shortest lattice path by A* with the octile distance", []),
+    entry!(
+        "jump-point",
+        search::JumpPoint,
+        true,
+        "harabor2011, harabor2014",
+        "Exact shortest lattice path by bit-parallel jump point search; the fastest",
+        []
+    ),
+];
 
 /// Builds a planner by name with parameters as a JSON object (missing ones take their defaults).
 /// # Errors

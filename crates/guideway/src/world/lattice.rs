@@ -1,10 +1,17 @@
 //! The 8-connected lattice of cell centres that grid planners search.
 
+mod padded;
+mod pool;
+
+pub use padded::Padded;
+pub use pool::Pool;
+
 use super::World;
 use super::bits::Bits;
 use super::grid::Cell;
 use crate::Point;
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 
 /// When a diagonal step is allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -30,6 +37,9 @@ pub struct Lattice {
     resolution: f64,
     radius: f64,
     place: Place,
+    rows: OnceLock<Padded>,
+    columns: OnceLock<Padded>,
+    pool: Pool,
 }
 
 /// Where the lattice lies in the map frame.
@@ -58,17 +68,16 @@ impl Lattice {
                     *last &= (1 << tail) - 1;
                 }
             }
-            return Self { free, corner_free: None, resolution: grid.resolution(), radius, place: place(world) };
+            return Self::new(world, radius, free, None);
         }
         let resolution = world.resolution();
-        let (w, h) = match world.grid() {
-            Some(g) => (g.width(), g.height()),
-            None => {
-                let [x0, y0, x1, y1] = world.bounds();
-                (((x1 - x0) / resolution).ceil() as u32, ((y1 - y0) / resolution).ceil() as u32)
-            }
+        let (w, h) = if let Some(grid) = world.grid() {
+            (grid.width(), grid.height())
+        } else {
+            let [x0, y0, x1, y1] = world.bounds();
+            (((x1 - x0) / resolution).ceil() as u32, ((y1 - y0) / resolution).ceil() as u32)
         };
-        let mut lattice = Self { free: Bits::new(w, h), corner_free: None, resolution, radius, place: place(world) };
+        let mut lattice = Self::new(world, radius, Bits::new(w, h), None);
         for y in 0..h {
             for x in 0..w {
                 let ok = world.clearance(lattice.center([x, y])) >= radius;
@@ -76,6 +85,28 @@ impl Lattice {
             }
         }
         lattice
+    }
+
+    fn new(world: &World, radius: f64, free: Bits, corner_free: Option<Bits>) -> Self {
+        let (resolution, place) = (world.resolution(), place(world));
+        Self { free, corner_free, resolution, radius, place, rows: OnceLock::new(), columns: OnceLock::new(), pool: Pool::default() }
+    }
+
+    /// Blocked cells row by row inside a blocked frame; built at first use.
+    pub fn rows(&self) -> &Padded {
+        self.rows.get_or_init(|| Padded::around(&self.free))
+    }
+    /// Blocked cells column by column inside a blocked frame; built at first use.
+    pub fn columns(&self) -> &Padded {
+        self.columns.get_or_init(|| Padded::around(&padded::transposed(&self.free)))
+    }
+    /// Corners that a diagonal step may pass; bit `(x, y)` is the lower-left corner of cell `(x, y)`. `None`: every one.
+    pub fn corner_free(&self) -> Option<&Bits> {
+        self.corner_free.as_ref()
+    }
+    /// Working memory of searches on this lattice.
+    pub fn pool(&self) -> &Pool {
+        &self.pool
     }
 
     /// Columns.

@@ -15,7 +15,7 @@ pub mod shape;
 pub use bits::Bits;
 pub use footprint::Footprint;
 pub use grid::{Cell, Grid, MAX_CELLS};
-pub use lattice::{Corners, Lattice};
+pub use lattice::{Corners, Lattice, Padded, Pool};
 pub use mover::{Appears, Loop, Mover};
 pub use shape::Shape;
 

@@ -1,0 +1,22 @@
+//! Dijkstra search on the lattice: no heuristic, so it also serves as the oracle of the others.
+//!
+//! Source: [dijkstra1959]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
+
+use super::leg::{Engine, plan};
+use crate::context::Context;
+use crate::error::PlanError;
+use crate::plan::{Planner, Solution};
+use crate::query::Query;
+use serde::{Deserialize, Serialize};
+
+/// Exact shortest path on the 8-connected lattice under the query's corner rule.
+/// `trace.engine` names the search that ran.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Dijkstra {}
+
+impl Planner for Dijkstra {
+    fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        plan(Engine::Dijkstra, query, ctx)
+    }
+}

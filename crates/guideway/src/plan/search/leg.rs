@@ -1,0 +1,161 @@
+//! From a query to searches on the lattice and back: stubs at the ends, via points, budget and cancel.
+
+use super::{Ask, End, Steps, every_cell, jump, step, turns};
+use crate::Point;
+use crate::context::{Context, Stop};
+use crate::error::{NoPath, PlanError};
+use crate::path::Path;
+use crate::plan::Solution;
+use crate::query::Query;
+use crate::world::{Cell, Corners, Lattice, shape};
+use serde_json::json;
+
+/// Which exact search to run. All find paths of the same cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Engine {
+    /// Uninformed.
+    Dijkstra,
+    /// With the octile heuristic.
+    AStar,
+    /// Jump points; A* where the lattice has corners that are closed by the robot's radius and the rule lets paths pass them.
+    JumpPoint,
+}
+
+impl Engine {
+    /// The engine that really runs. Jump points need the step rule to follow from free cells alone.
+    fn on(self, lattice: &Lattice, corners: Corners) -> Self {
+        if self == Self::JumpPoint && corners != Corners::Clear && lattice.corner_free().is_some() { Self::AStar } else { self }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Dijkstra => "dijkstra",
+            Self::AStar => "astar",
+            Self::JumpPoint => "jump-point",
+        }
+    }
+}
+
+/// Runs one search with 32-bit costs and again with 64-bit costs where those do not suffice. Leaves turning points (or all cells) in `out`.
+pub(super) fn run(engine: Engine, ask: &mut Ask, out: &mut Vec<Cell>) -> End {
+    let engine = engine.on(ask.lattice, ask.corners);
+    if ask.lattice.width().max(ask.lattice.height()) < 16384 {
+        let end = with::<u32>(engine, ask, out);
+        if !matches!(end, End::Overflow) {
+            return end;
+        }
+    }
+    with::<u64>(engine, ask, out)
+}
+
+fn with<C: super::open::Cost>(engine: Engine, ask: &mut Ask, out: &mut Vec<Cell>) -> End {
+    match engine {
+        Engine::Dijkstra => step::search::<C, false>(ask, out),
+        Engine::AStar => step::search::<C, true>(ask, out),
+        Engine::JumpPoint => jump::search::<C>(ask, out),
+    }
+}
+
+/// The shortest lattice path for a query: the reference of every lattice planner.
+/// # Errors
+/// As [`crate::plan::Planner::plan`].
+pub fn grid_optimum(query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+    plan(Engine::JumpPoint, query, ctx)
+}
+
+/// Plans a query leg by leg.
+pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+    query.validate()?;
+    let lattice = query.world.lattice(query.radius());
+    let mut legs = Legs { query, lattice: &lattice, engine, cells: Vec::new(), points: vec![query.start], steps: Steps::default(), stubs: 0.0 };
+    for pair in query.stops().windows(2) {
+        legs.leg(pair[0], pair[1], ctx)?;
+    }
+    let cost = legs.steps.length() * lattice.resolution() + legs.stubs;
+    Ok(Solution {
+        path: Path::polyline(&legs.points),
+        cells: Some(legs.cells),
+        cost,
+        trajectory: None,
+        stop: Stop::Converged,
+        iterations: legs.steps.expansions,
+        evaluations: 0,
+        seconds: ctx.seconds(),
+        history: vec![(legs.steps.expansions, cost)],
+        trace: json!({ "engine": engine.on(&lattice, query.corners).name() }),
+        memory: None,
+    })
+}
+
+/// The legs planned so far.
+struct Legs<'a> {
+    query: &'a Query,
+    lattice: &'a Lattice,
+    engine: Engine,
+    cells: Vec<Cell>,
+    points: Vec<Point>,
+    steps: Steps,
+    /// Length of the stubs between points and cell centres, m.
+    stubs: f64,
+}
+
+impl Legs<'_> {
+    fn leg(&mut self, from: Point, to: Point, ctx: &mut Context) -> Result<(), PlanError> {
+        let (Some(start), Some(goal)) = (self.anchor(from), self.anchor(to)) else {
+            return Err(no_path(self.query, false, Some("no free cell centre of the lattice is in reach of the start or the goal".into())));
+        };
+        let (mut found, mut stopped) = (Vec::new(), None);
+        let mut stop = || {
+            stopped = ctx.poll();
+            stopped.is_some()
+        };
+        let mut ask = Ask { lattice: self.lattice, start, goal, corners: self.query.corners, stop: &mut stop };
+        match run(self.engine, &mut ask, &mut found) {
+            End::Found(steps) => self.add(&found, steps, to),
+            End::Exhausted => return Err(no_path(self.query, true, None)),
+            End::Stopped if stopped == Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
+            End::Stopped => return Err(no_path(self.query, false, Some("the budget of time was spent".into()))),
+            End::Overflow => return Err(no_path(self.query, false, Some("the path is too long for exact costs".into()))),
+        }
+        Ok(())
+    }
+
+    /// Appends a path found between two anchors and the stubs at its ends.
+    fn add(&mut self, found: &[Cell], steps: Steps, to: Point) {
+        let cells = every_cell(found);
+        let centers: Vec<Point> = turns(&cells).into_iter().map(|c| self.lattice.center(c)).collect();
+        let from = self.points[self.points.len() - 1];
+        self.stubs += shape::distance(from, centers[0]) + shape::distance(centers[centers.len() - 1], to);
+        self.points.extend(centers);
+        self.points.push(to);
+        let joint = usize::from(self.cells.last() == cells.first());
+        self.cells.extend_from_slice(&cells[joint..]);
+        self.steps.straight += steps.straight;
+        self.steps.diagonal += steps.diagonal;
+        self.steps.expansions += steps.expansions;
+    }
+
+    /// The free cell whose centre is nearest to `p` and can be reached from it in a straight line; its own cell first.
+    fn anchor(&self, p: Point) -> Option<Cell> {
+        let [x, y] = self.lattice.cell_at(p)?;
+        let (query, lattice) = (self.query, self.lattice);
+        let reach = |c: Cell| {
+            let center = lattice.center(c);
+            lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, query.radius()))
+        };
+        if reach([x, y]) {
+            return Some([x, y]);
+        }
+        let mut near: Vec<Cell> = Vec::new();
+        for cy in y.saturating_sub(2)..=(y + 2).min(lattice.height() - 1) {
+            near.extend((x.saturating_sub(2)..=(x + 2).min(lattice.width() - 1)).map(|cx| [cx, cy]));
+        }
+        near.sort_by(|a, b| shape::distance(lattice.center(*a), p).total_cmp(&shape::distance(lattice.center(*b), p)));
+        near.into_iter().find(|c| reach(*c))
+    }
+}
+
+/// The one place where a lattice search reports that there is no path.
+fn no_path(query: &Query, proved: bool, reason: Option<String>) -> PlanError {
+    PlanError::NoPath(Box::new(NoPath { proved, needed: query.radius(), reason, ..NoPath::default() }))
+}

@@ -45,3 +45,12 @@ pub fn rows(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 2]>> {
     }
     Ok(view.rows().into_iter().map(|r| [r[0], r[1]]).collect())
 }
+
+/// Numbers from a number or anything array-like of one dimension.
+pub fn values(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let py = object.py();
+    let bad = || to_py(py, &PlanError::bad(name, "the value given", "a number or a one-dimensional array of numbers"));
+    let numpy = py.import("numpy")?;
+    let array = numpy.call_method1("asarray", (object, "float64")).and_then(|a| numpy.call_method1("atleast_1d", (a,))).map_err(|_| bad())?;
+    array.extract().map_err(|_| bad())
+}

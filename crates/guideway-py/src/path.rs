@@ -1,9 +1,10 @@
 //! `Path`.
 
-use crate::convert::rows;
-use crate::errors::OrPy;
+use crate::convert::{rows, table, values};
+use crate::errors::{OrPy, to_py};
+use guideway::error::PlanError;
 use guideway::path;
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
 
 /// A clamped B-spline of any degree and dimension; a polyline is degree 1. Evaluated by arc length.
@@ -41,6 +42,33 @@ impl Path {
     /// Control points, shape (n, dimension).
     #[getter]
     fn control_points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        PyArray1::from_slice(py, self.inner.control()).reshape([self.inner.count(), self.inner.dimension()])
+        table(py, self.inner.control(), self.inner.dimension())
+    }
+    /// Arc length, m.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.inner.length()
+    }
+
+    /// Position and derivatives with respect to arc length at arc lengths `s` (m): shape (order + 1, len(s), dimension). Order is 0 to 3.
+    #[pyo3(signature = (s, order=0))]
+    fn eval<'py>(&self, py: Python<'py>, s: &Bound<'py, PyAny>, order: usize) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        if order > 3 {
+            return Err(to_py(py, &PlanError::bad("order", order, "0 to 3")));
+        }
+        let (s, dimension) = (values("s", s)?, self.inner.dimension());
+        let rows: Vec<Vec<Vec<f64>>> = s.iter().map(|&s| self.inner.eval(s, order)).collect();
+        let flat: Vec<f64> = (0..=order).flat_map(|k| rows.iter().flat_map(move |row| row[k].iter().copied())).collect();
+        PyArray1::from_vec(py, flat).reshape([order + 1, s.len(), dimension])
+    }
+
+    /// x (m), y (m), heading (rad), curvature (1/m) at arc lengths `s` (m): shape (len(s), 4).
+    fn planar<'py>(&self, py: Python<'py>, s: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = values("s", s)?.into_iter().map(|s| self.inner.planar(s));
+        table(py, &rows.flat_map(|p| [p.point[0], p.point[1], p.heading, p.curvature]).collect::<Vec<_>>(), 4)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Path(degree {}, {} control points, length {:.6} m)", self.inner.degree(), self.inner.count(), self.inner.length())
     }
 }

@@ -51,10 +51,7 @@ impl Query {
             other => return Err(to_py(py, &PlanError::bad("material", other, "one of standard, long, heavy"))),
         };
         inner.corners = match corners {
-            Some("touch") => Corners::Touch,
-            Some("clear") => Corners::Clear,
-            Some("squeeze") => Corners::Squeeze,
-            Some(other) => return Err(to_py(py, &PlanError::bad("corners", other, "one of touch, clear, squeeze"))),
+            Some(rule) => corner_rule(py, rule)?,
             None if inner.material == Material::Long => Corners::Clear,
             None => Corners::Touch,
         };
@@ -118,6 +115,16 @@ impl Query {
     fn __repr__(&self) -> String {
         let q = &self.inner;
         format!("Query({:?} -> {:?}, radius {} m, {:?}, {:?})", q.start, q.goal, q.radius(), q.corners, q.material)
+    }
+}
+
+/// A corner rule by name.
+pub fn corner_rule(py: Python<'_>, name: &str) -> PyResult<Corners> {
+    match name {
+        "touch" => Ok(Corners::Touch),
+        "clear" => Ok(Corners::Clear),
+        "squeeze" => Ok(Corners::Squeeze),
+        other => Err(to_py(py, &PlanError::bad("corners", other, "one of touch, clear, squeeze"))),
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::convert::{from_python, points, rows, to_python};
 use crate::errors::{OrPy, to_py};
 use guideway::error::PlanError;
+use guideway::plan::search;
 use guideway::world::{self, Bits, Grid, Mover, Shape};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -122,6 +123,21 @@ impl World {
     /// Does a disc of this radius (m), swept along the segment from a to b (m), stay out of every static obstacle?
     fn segment_free(&self, a: [f64; 2], b: [f64; 2], radius: f64) -> bool {
         self.inner.segment_free(a, b, radius)
+    }
+
+    /// Exact shortest lattice path of a point robot between two cells (column, row), row 0 on top, by jump point search.
+    ///
+    /// Returns (length in cells, turning points as (column, row) from start to goal), or None if a cell is blocked or outside or there is no path. The lean
+    /// call for many queries: no certificate, no record. `corners` as in `Query`. Source: Harabor and Grastien 2014.
+    #[pyo3(signature = (start, goal, corners="clear"))]
+    fn shortest(&self, py: Python<'_>, start: [u32; 2], goal: [u32; 2], corners: &str) -> PyResult<Option<(f64, Vec<(u32, u32)>)>> {
+        let corners = crate::query::corner_rule(py, corners)?;
+        let lattice = self.inner.lattice(0.0);
+        let Some(top) = lattice.height().checked_sub(1).filter(|top| start[1] <= *top && goal[1] <= *top) else { return Ok(None) };
+        let mut turns = Vec::new();
+        let flip = |c: [u32; 2]| [c[0], top - c[1]];
+        let steps = search::shortest_cells(&lattice, flip(start), flip(goal), corners, &mut turns);
+        Ok(steps.map(|steps| (steps.length(), turns.iter().map(|c| (c[0], top - c[1])).collect())))
     }
 
     /// Centre (m) of cells given as (column, row), row 0 on top, shape (n, 2).

@@ -1,1 +1,168 @@
 //! Driving: a plant, a controller, and the loop between them.
+//!
+//! [`execute`] drives a planned [`crate::timing::Trajectory`] in a world that moves and returns a [`Run`]. The controller sees an [`Observation`] only: a
+//! noisy pose, the speeds and the movers that are visible. The run is judged with the true state, exactly.
+
+mod controllers;
+mod course;
+mod execute;
+mod outline;
+mod record;
+mod sense;
+mod separation;
+mod tracker;
+mod unicycle;
+
+pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
+pub use course::Course;
+pub use execute::{Job, Replanner, execute, execute_on};
+pub use outline::Outline;
+pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
+pub use sense::{Track, visible};
+pub use tracker::Tracker;
+pub use unicycle::{Unicycle, UnicyclePlant};
+
+use crate::Point;
+use crate::context::Context;
+use crate::error::PlanError;
+use crate::query::Limits;
+use crate::world::Footprint;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// A mobile base that turns about its reference point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Robot {
+    /// What it covers.
+    pub footprint: Footprint,
+    /// Largest speed, m/s.
+    pub speed: f64,
+    /// Largest acceleration, m/s2.
+    pub acceleration: f64,
+    /// Largest deceleration, m/s2, positive.
+    pub deceleration: f64,
+    /// Largest turn rate, rad/s.
+    pub turn_rate: f64,
+    /// Largest turn acceleration, rad/s2.
+    pub turn_acceleration: f64,
+}
+
+impl Robot {
+    /// A robot from its footprint and limits. A turn rate or acceleration that is unlimited becomes 2 rad/s or 6 rad/s2: a plant needs a number.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for limits out of range.
+    pub fn new(footprint: Footprint, limits: &Limits) -> Result<Self, PlanError> {
+        let l = limits.validated()?;
+        Ok(Self {
+            footprint: footprint.validated()?,
+            speed: l.speed,
+            acceleration: l.acceleration,
+            deceleration: l.deceleration,
+            turn_rate: l.turn_rate.unwrap_or(2.0),
+            turn_acceleration: l.turn_acceleration.unwrap_or(6.0),
+        })
+    }
+
+    /// Distance the robot needs to stop from speed `v` (m/s), m.
+    pub fn braking_distance(&self, v: f64) -> f64 {
+        v * v / (2.0 * self.deceleration)
+    }
+}
+
+/// What the base is asked to do.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// Speed, m/s.
+    pub v: f64,
+    /// Turn rate, rad/s, positive to the left.
+    pub w: f64,
+}
+
+/// What a controller sees: estimates and visible movers, never the true world.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Observation {
+    /// s since the start of the run.
+    pub time: f64,
+    /// Estimated x, y (m) and heading (rad).
+    pub pose: [f64; 3],
+    /// Estimated speed, m/s.
+    pub v: f64,
+    /// Estimated turn rate, rad/s.
+    pub w: f64,
+    /// Movers that the sensor reports, in a fixed order.
+    pub tracks: Vec<Track>,
+}
+
+/// The true state of a base; only the judge of a run reads it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// x, y (m) and heading (rad).
+    pub pose: [f64; 3],
+    /// m/s.
+    pub v: f64,
+    /// rad/s.
+    pub w: f64,
+}
+
+/// Why a controller stops or asks for a new plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reason {
+    /// For people.
+    pub text: String,
+    /// Centre and radius (m) of the disc that is in the way, if one is.
+    pub place: Option<(Point, f64)>,
+}
+
+impl Reason {
+    /// A reason without a place.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self { text: text.into(), place: None }
+    }
+    /// A reason with what is in the way.
+    pub fn at(text: impl Into<String>, track: &Track) -> Self {
+        Self { text: text.into(), place: Some((track.position, track.outline.circumscribed())) }
+    }
+}
+
+/// What a controller decides in one control step.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Decision {
+    /// Go on.
+    Drive(Command),
+    /// Brake with all the base has and stay.
+    Stop(Reason),
+    /// Brake and ask for a new plan.
+    Replan(Reason),
+}
+
+/// Turns observations into commands.
+pub trait Controller: Send {
+    /// A new motion to follow, before the first step and after every new plan.
+    fn follow(&mut self, course: &Arc<Course>);
+    /// One control step.
+    fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision;
+}
+
+/// A mobile base: simulated or real.
+pub trait Plant {
+    /// What its sensors say about itself (no tracks; the sensing of movers is separate).
+    fn observe(&mut self) -> Observation;
+    /// Moves under a command for `dt` s.
+    fn step(&mut self, u: Command, dt: f64);
+    /// The true state, for judging a run.
+    fn motion(&self) -> Motion;
+}
+
+/// The pose after moving with constant `v` (m/s) and `w` (rad/s) for `t` s: the exact arc, a line below 1e-6 rad/s.
+#[inline]
+pub fn arc(pose: [f64; 3], v: f64, w: f64, t: f64) -> [f64; 3] {
+    let [x, y, yaw] = pose;
+    if w.abs() < 1e-6 {
+        let (s, c) = (yaw + 0.5 * w * t).sin_cos();
+        return [x + v * t * c, y + v * t * s, yaw + w * t];
+    }
+    let (s0, c0) = yaw.sin_cos();
+    let (s1, c1) = (yaw + w * t).sin_cos();
+    [x + v / w * (s1 - s0), y - v / w * (c1 - c0), yaw + w * t]
+}

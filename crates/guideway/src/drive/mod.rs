@@ -6,10 +6,13 @@
 mod controllers;
 mod course;
 mod execute;
+mod filter;
 mod outline;
 mod record;
 mod sense;
 mod separation;
+#[cfg(test)]
+mod testing;
 mod tracker;
 mod unicycle;
 

@@ -178,3 +178,6 @@ fn grid_gap(world: &World, here: &Outline, cap: f64) -> f64 {
     }
     if best.is_finite() { best * side } else { cap }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,100 @@
+//! Every controller, one line each.
+
+use super::{Controller, Robot, Tracker};
+use crate::error::PlanError;
+use crate::plan::Parameter;
+use crate::world::World;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// What a controller knows from the start.
+#[derive(Debug, Clone)]
+pub struct Setup {
+    /// The static map.
+    pub world: Arc<World>,
+    /// The base.
+    pub robot: Robot,
+    /// Clearance the motion was planned with, m.
+    pub clearance: f64,
+}
+
+/// Builds a controller from parameters as JSON.
+pub type Build = fn(Value, &Setup) -> Result<Box<dyn Controller>, PlanError>;
+
+/// One line of the registry.
+pub struct ControllerEntry {
+    /// Name on the command line and in files.
+    pub name: &'static str,
+    /// One line for people.
+    pub about: &'static str,
+    /// Where the method comes from (keys of `refs.bib`).
+    pub source: &'static str,
+    /// Parameters in order.
+    pub parameters: &'static [Parameter],
+    /// Default parameters as JSON.
+    pub defaults: fn() -> Value,
+    /// Builds the controller from parameters as JSON.
+    pub build: Build,
+}
+
+macro_rules! controller {
+    ($name:literal, $type:ty, $source:literal, $about:literal, [$(($p:literal, $a:literal)),* $(,)?]) => {
+        ControllerEntry {
+            name: $name,
+            about: $about,
+            source: $source,
+            parameters: &[$(Parameter { name: $p, about: $a }),*],
+            defaults: || serde_json::to_value(<$type>::default()).unwrap_or_default(),
+            build: |value, setup| {
+                let parameters: $type = serde_json::from_value(value).map_err(|e| PlanError::bad($name, "its parameters", e.to_string()))?;
+                parameters.build(setup)
+            },
+        }
+    };
+}
+
+/// Every controller; the first is the default.
+pub const CONTROLLERS: &[ControllerEntry] = &[controller!(
+    "tracker",
+    Tracker,
+    "kanayama1990",
+    "follows the timed motion, waits for movers on the path",
+    [
+        ("k_x", "gain along the heading, 1/s"),
+        ("k_y", "gain across the heading, 1/m2"),
+        ("k_theta", "gain of the heading, 1/m"),
+        ("k_turn", "gain of the heading in turns in place, 1/s"),
+        ("lead", "the reference speeds are read so far ahead, s"),
+        ("trust", "trust in each observed pose against odometry, 0 to 1"),
+        ("behind", "the clock slows when the robot is farther behind, m"),
+        ("margin", "distance kept to movers ahead, m"),
+        ("foresight", "prediction of movers beyond the braking time, s"),
+        ("patience", "waiting time before a new plan is asked for, s"),
+    ]
+)];
+
+/// Builds a controller by name with parameters as a JSON object (missing ones take their defaults, `null` is an empty object).
+/// # Errors
+/// [`PlanError::BadParameter`] for an unknown controller or parameter, naming the valid ones, or a value out of range.
+pub fn controller(name: &str, parameters: Value, setup: &Setup) -> Result<Box<dyn Controller>, PlanError> {
+    let Some(entry) = CONTROLLERS.iter().find(|e| e.name == name) else {
+        let names: Vec<_> = CONTROLLERS.iter().map(|e| e.name).collect();
+        return Err(PlanError::bad("controller", name, format!("one of {}", names.join(", "))));
+    };
+    let parameters = if parameters.is_null() { Value::Object(serde_json::Map::new()) } else { parameters };
+    if let Value::Object(map) = &parameters
+        && let Some(key) = map.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k))
+    {
+        let names: Vec<_> = entry.parameters.iter().map(|p| p.name).collect();
+        return Err(PlanError::bad(format!("{name}.{key}"), "an unknown parameter", format!("parameters of {name}: {}", names.join(", "))));
+    }
+    (entry.build)(parameters, setup)
+}
+
+/// Refuses parameters that are negative, huge or no numbers.
+pub(super) fn check(name: &str, parameters: &[(&str, f64)]) -> Result<(), PlanError> {
+    match parameters.iter().find(|(_, v)| !(0.0..=1e6).contains(v)) {
+        Some((key, value)) => Err(PlanError::bad(format!("{name}.{key}"), value, "a number from 0 to 1e6")),
+        None => Ok(()),
+    }
+}

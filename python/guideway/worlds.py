@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 def load(path: str | os.PathLike[str], **options: Any) -> World:
-    """The world of a map or scene file. Options are those of :func:`guideway.io.read` (``unknown``, ``thresholds``)."""
-    from guideway.io import read
+    """The world of a map or scene file. Options are those of :func:`guideway.io.load` (``unknown``, ``thresholds``)."""
+    from guideway.io import load as read
 
     return world_of(read(path, **options))
 

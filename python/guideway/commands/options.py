@@ -9,7 +9,7 @@ import os
 import sys
 from typing import Any
 
-from guideway.errors import BadParameter
+from guideway.errors import BadFile, BadParameter
 
 
 def numbers(name: str, text: str, counts: tuple[int, ...], form: str) -> tuple[float, ...]:
@@ -93,6 +93,16 @@ def write(path: str, text: str | bytes) -> None:
 def folder_of(path: str | None) -> str:
     """The folder a record will lie in."""
     return os.path.dirname(path) or "." if path else "."
+
+
+def writable(*paths: str | None) -> None:
+    """Finds out before the work, not after it, that a result has nowhere to go."""
+    for path in filter(None, paths):
+        folder = folder_of(path)
+        if not os.path.isdir(folder):
+            raise BadFile(path, f"its folder {folder!r} does not exist", "", "Create it or choose another place")
+        if os.path.isdir(path):
+            raise BadFile(path, "it is a folder", "a file name")
 
 
 def note(message: str) -> None:

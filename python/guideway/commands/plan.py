@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 from dataclasses import replace
 from typing import Any
 
 from guideway import _core, jobs, records
 from guideway.commands import options
-from guideway.errors import BadFile, BadParameter
+from guideway.errors import BadParameter
 from guideway.worlds import footprint_record, world_of
 
 EXAMPLES = """examples:
@@ -68,7 +67,7 @@ def handle(arguments: argparse.Namespace) -> int:
 
         return run_scenario(arguments)
     job, out, report = job_of(arguments)
-    _writable(out, report, arguments.csv)
+    options.writable(out, report, arguments.csv)
     try:
         outcome = jobs.run(job, options.folder_of(out))
     except KeyboardInterrupt as interrupt:
@@ -94,17 +93,17 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def read(arguments: argparse.Namespace) -> Any:
     """The map or scene, as the readers found it."""
-    from guideway.io import read as read_file
+    from guideway.io import load
 
     given = {"unknown": arguments.unknown} | ({"thresholds": arguments.thresholds} if arguments.thresholds else {})
-    return read_file(arguments.map, **given)
+    return load(arguments.map, **given)
 
 
 def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | None]:
     """The job: what the file says, overridden by the options; and where its results go."""
     found = read(arguments)
-    world = world_of(found)
-    job = _from_scene(found, world) if found.kind == "scene" else jobs.Job(world, (), ())
+    job = job_of_scene(found) if found.kind == "scene" else jobs.Job(world_of(found), (), ())
+    world = job.world
     table = found.plan if found.kind == "scene" else None
     for name in ("clearance", "corners", "material", "planner", "seed", "refine", "max_curvature"):
         given = getattr(arguments, name)
@@ -126,9 +125,10 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     return job, arguments.out or (table and table.out), arguments.report or (table and table.report)
 
 
-def _from_scene(scene: Any, world: _core.World) -> jobs.Job:
+def job_of_scene(scene: Any) -> jobs.Job:
+    """The job that a scene describes: its query, robot and ``[plan]`` table."""
     query, table, robot = scene.query, scene.plan, scene.robot
-    job = jobs.Job(world, (), (), footprint=footprint_record(robot.footprint))
+    job = jobs.Job(world_of(scene), (), (), footprint=footprint_record(robot.footprint))
     names = ("speed", "acceleration", "deceleration", "jerk", "turn_rate", "turn_acceleration", "lateral_acceleration")
     job.limits = records.Limits(**{name: getattr(robot, name) for name in names})
     if query is not None:
@@ -165,16 +165,6 @@ def _limits(limits: records.Limits, arguments: argparse.Namespace) -> records.Li
     if "acceleration" in given and "deceleration" not in given:
         given["deceleration"] = given["acceleration"]  # a deceleration left out equals the acceleration
     return replace(limits, **given)
-
-
-def _writable(*paths: str | None) -> None:
-    """Finds out before the work, not after it, that a result has nowhere to go."""
-    for path in filter(None, paths):
-        folder = options.folder_of(path)
-        if not os.path.isdir(folder):
-            raise BadFile(path, f"its folder {folder!r} does not exist", "", "Create it or choose another place")
-        if os.path.isdir(path):
-            raise BadFile(path, "it is a folder", "a file name")
 
 
 def _deliver(arguments: argparse.Namespace, outcome: jobs.Outcome, out: str | None, report: str | None) -> None:

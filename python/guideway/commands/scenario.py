@@ -17,13 +17,13 @@ from guideway.worlds import world_of
 
 def run_scenario(arguments: argparse.Namespace) -> int:
     """Plans every row; rows with errors are reported in their row, not raised."""
-    from guideway.io import read_scenario
+    from guideway.io import load_scenario
 
-    rows = read_scenario(arguments.scen)
+    rows = load_scenario(arguments.scen)
     world = world_of(plan.read(arguments))
     rows = rows if arguments.limit is None else rows[: arguments.limit]
     done: list[str] = []
-    plan._writable(arguments.out)
+    options.writable(arguments.out)
     try:
         for number, row in enumerate(rows):
             line = json.dumps(_row(arguments, world, number, row), allow_nan=False)

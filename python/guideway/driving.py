@@ -1,0 +1,110 @@
+"""Driving a planned motion in a world that moves, and the record of ``run.json``."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any
+
+from guideway import _core, jobs
+from guideway.records import Limits
+
+
+@dataclass
+class Drive:
+    """Everything that decides a run; ``arrival`` in m, ``time_limit`` in s."""
+
+    query: _core.Query
+    trajectory: _core.Trajectory
+    limits: Limits
+    controller: str = "predictive-dwa"
+    planner: str = "visibility"
+    set: dict[str, Any] = field(default_factory=dict)
+    seed: int = 0
+    arrival: float = 0.1
+    stop_at_goal: bool = True
+    time_limit: float | None = None
+    observe: jobs.Observer | None = None
+
+
+def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
+    """Drives and returns the record. On Ctrl-C the record is that of the run so far, with ``cancelled`` true."""
+    raw = _core.drive(
+        drive.query,
+        drive.trajectory,
+        drive.controller,
+        planner=drive.planner,
+        seed=drive.seed,
+        set=drive.set or None,
+        arrival=drive.arrival,
+        stop_at_goal=drive.stop_at_goal,
+        time_limit=drive.time_limit,
+        observe=drive.observe,
+    )
+    return record(drive, raw, folder)
+
+
+def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """The record of ``run.json`` from what the core returned."""
+    world = drive.query.world
+    known = [value for value in raw["min_separation"].values() if value is not None]
+    return {
+        "guideway": _core.__version__,
+        "schema": 1,
+        "outcome": raw["outcome"],
+        "time": raw["time"],
+        "controller": drive.controller,
+        "planner": drive.planner,
+        "seed": drive.seed,
+        "world": jobs.world_record(world, folder),
+        "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
+        "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),
+        "obstacles": {"shapes": world.shapes, "movers": world.movers},
+        "plan": {
+            "polyline": _core.polyline(drive.trajectory.path, drive.query).tolist(),
+            "duration": drive.trajectory.duration,
+            "length": drive.trajectory.path.length,
+        },
+        "driven": raw["driven"],
+        "movers": [mover_states(mover) for mover in raw["movers"]],
+        "replans": raw["replans"],
+        "min_separation": min(known) if known else None,
+        "separation": raw["min_separation"],
+        "emergency_stops": raw["emergency_stops"],
+        "step_seconds": raw["step_seconds"],
+        "tracking": raw["tracking"],
+        "energy": raw["energy"],
+        "events": raw["events"],
+        "collision": raw["collision"],
+        "cancelled": raw["cancelled"],
+    }
+
+
+def mover_states(mover: dict[str, Any]) -> dict[str, Any]:
+    """A mover over time: its shape and rows (t, x, y, visible 0 or 1)."""
+    since = mover["since"]
+    rows = [[t, x, y, int(since is not None and t >= since)] for t, x, y in mover["track"]]
+    return {"shape": mover["outline"], "since": since, "states": rows}
+
+
+def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _core.Trajectory, Limits]:
+    """The query, the motion and the limits that a plan record holds; a plan without timing is timed now with the default limits."""
+    asked = plan["query"]
+    query = _core.Query(
+        world,
+        asked["start"],
+        asked["goal"],
+        via=asked["via"],
+        footprint=asked["footprint"],
+        clearance=asked["clearance"],
+        corners=asked["corners"],
+        material=asked["material"],
+    )
+    shape = plan["path"]
+    path = _core.Path(shape["degree"], shape["knots"], shape["control_points"])
+    timed = plan.get("trajectory")
+    if timed is None:
+        limits = Limits()
+        return query, _core.time(path, limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw), limits
+    limits = Limits(**timed["limits"])
+    return query, _core.Trajectory(path, limits, timed["pieces"]), limits

@@ -1,0 +1,62 @@
+"""Reading ``plan.json`` and ``run.json`` back: the record, and the world it was made in."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from guideway._core import World
+from guideway.errors import BadFile
+
+LARGEST = 1 << 30
+"""Largest record that is read, bytes."""
+
+
+def load_record(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """A record from a JSON file. Raises :class:`BadFile` if it is missing, too large, not JSON, or not a record of Guideway."""
+    where = os.fspath(path)
+    try:
+        if not Path(path).is_file():
+            raise BadFile(where, "there is no such file", "a plan.json or run.json")
+        if Path(path).stat().st_size > LARGEST:
+            raise BadFile(where, "it is too large", f"at most {LARGEST} bytes")
+        record = json.loads(Path(path).read_bytes(), parse_constant=_no_constant)
+    except (OSError, ValueError, RecursionError) as error:
+        raise BadFile(where, f"it cannot be read as JSON ({error})", "a plan.json or run.json written by guideway") from None
+    if not isinstance(record, dict) or "guideway" not in record or record.get("schema") != 1:
+        raise BadFile(where, "it is not a record of guideway", 'an object with "guideway" and "schema": 1')
+    return record
+
+
+def _no_constant(word: str) -> float:
+    raise ValueError(f"{word} is not a number")
+
+
+def is_run(record: dict[str, Any]) -> bool:
+    """Is it a drive rather than a plan?"""
+    return "outcome" in record
+
+
+def world_of_record(record: dict[str, Any], path: str | os.PathLike[str]) -> World:
+    """The world of a record, found beside the file or in the working folder, and checked to be the same map.
+
+    Raises :class:`BadFile` if the map is missing or another one.
+    """
+    from guideway.worlds import load
+
+    named = record.get("world")
+    source, digest = (named.get("source"), named.get("sha256")) if isinstance(named, dict) else (None, None)
+    if not isinstance(source, str):
+        raise BadFile(os.fspath(path), "it names no map (world.source)", "a record made from a map or scene file")
+    plain, mark, number = source.partition("#")
+    places = [Path(path).parent / plain, Path(plain)]
+    found = next((place for place in places if place.exists()), None)
+    if found is None:
+        tried = " and ".join(str(place) for place in dict.fromkeys(places))
+        raise BadFile(os.fspath(path), f"its map {source!r} is not there (tried {tried})", "", "Put the map back, or plan again")
+    world = load(f"{found}{mark}{number}")
+    if isinstance(digest, str) and world.sha256 != digest:
+        raise BadFile(str(found), f"it is not the map that {os.fspath(path)} was made with (another sha256)", "", "Plan again on this map")
+    return world

@@ -15,7 +15,7 @@ mod transition;
 pub use transition::{State1, transition};
 
 use crate::error::PlanError;
-use peak::Side;
+use peak::{Side, Solved};
 
 /// Jerk limits by phase, m/s3, all positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,6 +184,7 @@ impl SCurve {
         Err(PlanError::bad("s-curve state", format!("{states:?}"), "finite distance, speeds and accelerations"))
     }
 
+    #[inline]
     fn forward(&self) -> Result<Profile, PlanError> {
         self.check_states()?;
         if self.start.1 < 0.0 || self.end.1 > 0.0 {
@@ -194,15 +195,20 @@ impl SCurve {
             Side::new(self.start.0, self.start.1, acceleration, (jerk.build, jerk.release)),
             Side::new(self.end.0, -self.end.1, deceleration, (jerk.unbrake, jerk.brake)),
         ];
+        let (after, before) = (sides[0].lowest, sides[1].lowest);
+        if after.max(before) > speed * (1.0 + 1e-12) {
+            return Err(overrun(speed, after, before));
+        }
         match peak::solve(&sides, self.distance, speed) {
-            Some((w, cruise)) => Ok(self.assemble(&sides, w, cruise)),
+            Some(solved) => Ok(self.assemble(&sides, &solved)),
             None => Err(self.too_short()),
         }
     }
 
     /// States that no profile of the class can have.
+    #[inline]
     fn check_states(&self) -> Result<(), PlanError> {
-        let Bounds { speed, acceleration, deceleration, jerk } = self.bounds;
+        let Bounds { speed, acceleration, deceleration, .. } = self.bounds;
         for (name, (v, a)) in [("start", self.start), ("end", self.end)] {
             if v < 0.0 {
                 return Err(infeasible(format!("{name} speed {v} m/s points away from the goal; the motion never reverses")));
@@ -211,19 +217,12 @@ impl SCurve {
                 return Err(infeasible(format!("{name} speed {v} m/s or acceleration {a} m/s2 is outside the limits")));
             }
         }
-        let after = self.start.0 + self.start.1.max(0.0).powi(2) / (2.0 * jerk.release);
-        let before = self.end.0 + self.end.1.min(0.0).powi(2) / (2.0 * jerk.brake);
-        if after.max(before) > speed * (1.0 + 1e-12) {
-            return Err(infeasible(format!(
-                "the speed limit {speed} m/s is overrun: speed {after} m/s follows from the start state, {before} m/s precedes the end state"
-            )));
-        }
         Ok(())
     }
 
     #[inline]
-    fn assemble(&self, sides: &[Side; 2], w: f64, cruise: f64) -> Profile {
-        let (up, down) = (sides[0].times(w), sides[1].times(w));
+    fn assemble(&self, sides: &[Side; 2], &(climbs, cruise): &Solved) -> Profile {
+        let (up, down) = (sides[0].times(climbs[0]), sides[1].times(climbs[1]));
         let j = self.bounds.jerk;
         let p = |duration: f64, jerk: f64| Phase { duration, jerk };
         let none = Phase::default();
@@ -263,6 +262,13 @@ impl SCurve {
     }
 }
 
+/// The error for boundary accelerations that run over the speed limit.
+#[cold]
+fn overrun(speed: f64, after: f64, before: f64) -> PlanError {
+    infeasible(format!("the speed limit {speed} m/s is overrun: speed {after} m/s follows from the start state, {before} m/s precedes the end state"))
+}
+
+#[cold]
 fn infeasible(reason: String) -> PlanError {
     PlanError::Infeasible { reason, best_end_speed: None }
 }

@@ -16,6 +16,8 @@ pub struct Side {
     inverse: (f64, f64),
     /// `1 / near + 1 / far`: the side gains `k p^2 / 2` at peak acceleration `p`.
     k: f64,
+    /// 2 / k.
+    two_over_k: f64,
     /// Cubic coefficient of the distance over `p`.
     c: f64,
     /// Largest acceleration, m/s2.
@@ -23,21 +25,34 @@ pub struct Side {
     /// Speed from which the limit is reached, m/s.
     saturated: f64,
     /// Lowest speed at the top that needs no overshoot, m/s.
-    lowest: f64,
+    pub lowest: f64,
+}
+
+/// A side up to a certain top.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Climb {
+    /// Peak acceleration, m/s2.
+    peak: f64,
+    /// Time at the peak, s.
+    hold: f64,
 }
 
 impl Side {
     #[inline]
     pub fn new(v: f64, a: f64, limit: f64, (near, far): (f64, f64)) -> Self {
-        let (x, y) = (1.0 / near, 1.0 / far);
-        let (k, base) = (x + y, v - 0.5 * a * a * x);
+        let (sum, product) = (near + far, near * far);
+        let r = 1.0 / product;
+        let (x, y, k) = (far * r, near * r, sum * r);
+        let gained = 0.5 * a * a * x;
+        let base = v - gained;
         Self {
             a,
             base,
-            skipped: a * x * (base + a * a * x / 6.0),
+            skipped: a * x * (base + gained * (1.0 / 3.0)),
             inverse: (x, y),
             k,
-            c: x * x / 6.0 + 0.5 * x * y + y * y / 3.0,
+            two_over_k: 2.0 * product / sum,
+            c: x * x / 6.0 + y * (0.5 * x + y * (1.0 / 3.0)),
             limit,
             saturated: base + 0.5 * k * limit * limit,
             lowest: v + 0.5 * a * a * y,
@@ -47,7 +62,7 @@ impl Side {
     /// Peak acceleration for the top speed `w`, before the limit, m/s2.
     #[inline]
     fn peak(&self, w: f64) -> f64 {
-        (2.0 * (w - self.base).max(0.0) / self.k).sqrt().max(self.a)
+        ((w - self.base).max(0.0) * self.two_over_k).sqrt().max(self.a)
     }
 
     /// Distance (m) with peak acceleration `p` below the limit.
@@ -64,70 +79,107 @@ impl Side {
         (self.free(p) + hold * (rate + 0.5 * p * hold), (rate + p * hold) / p)
     }
 
-    /// Distance to the top at speed `w`, m.
+    /// The way to the top at speed `w`.
     #[inline]
-    pub fn distance(&self, w: f64) -> f64 {
-        if w > self.saturated { self.held(w).0 } else { self.free(self.peak(w)) }
+    fn climb(&self, w: f64) -> Climb {
+        if w > self.saturated { Climb { peak: self.limit, hold: (w - self.saturated) / self.limit } } else { Climb { peak: self.peak(w), hold: 0.0 } }
+    }
+
+    /// Distance of a climb, m.
+    #[inline]
+    fn length(&self, climb: Climb) -> f64 {
+        let Climb { peak, hold } = climb;
+        let ramps = self.free(peak);
+        if hold == 0.0 {
+            return ramps;
+        }
+        ramps + hold * (self.base + peak * (peak * (0.5 * self.inverse.0 + self.inverse.1) + 0.5 * hold))
     }
 
     /// Durations (s): near ramp, hold, far ramp.
     #[inline]
-    pub fn times(&self, w: f64) -> (f64, f64, f64) {
-        if w > self.saturated {
-            return ((self.limit - self.a).max(0.0) * self.inverse.0, (w - self.saturated) / self.limit, self.limit * self.inverse.1);
-        }
-        let p = self.peak(w);
-        ((p - self.a) * self.inverse.0, 0.0, p * self.inverse.1)
+    pub fn times(&self, climb: Climb) -> (f64, f64, f64) {
+        ((climb.peak - self.a).max(0.0) * self.inverse.0, climb.hold, climb.peak * self.inverse.1)
     }
 }
 
-/// Top speed (m/s) and cruise time (s) of the fastest profile over `distance`, or `None` if the distance is too short.
+/// Both climbs and the cruise between them (s).
+pub type Solved = ([Climb; 2], f64);
+
+/// The fastest profile over `distance`, or `None` if the distance is too short.
 #[inline]
-pub fn solve(sides: &[Side; 2], distance: f64, speed: f64) -> Option<(f64, f64)> {
-    let total = |w: f64| sides[0].distance(w) + sides[1].distance(w);
+pub fn solve(sides: &[Side; 2], distance: f64, speed: f64) -> Option<Solved> {
+    let climbs = |w: f64| [sides[0].climb(w), sides[1].climb(w)];
+    let total = |c: [Climb; 2]| sides[0].length(c[0]) + sides[1].length(c[1]);
     let low = sides[0].lowest.max(sides[1].lowest);
     let high = speed.max(low);
-    let d_high = total(high);
+    let at_high = climbs(high);
+    let d_high = total(at_high);
     if d_high <= distance {
-        return Some((high, (distance - d_high) / high));
+        return Some((at_high, (distance - d_high) / high));
     }
-    let d_low = total(low);
+    let [up, down] = sides;
+    let at_low = climbs(low);
+    let d_low = total(at_low);
     if d_low >= distance {
         // Rounding of the caller's own distance is not an infeasible problem.
-        return (d_low - distance <= 1e-12 * d_low).then_some((low, 0.0));
+        return (d_low - distance <= 1e-12 * d_low).then_some((at_low, 0.0));
+    }
+    let unsaturated = high <= up.saturated && high <= down.saturated;
+    if unsaturated && up.base == 0.0 && down.base == 0.0 {
+        return Some((from_rest(up, down, distance + up.skipped + down.skipped), 0.0));
     }
     Some((top(sides, distance, (low, high)), 0.0))
 }
 
+/// Both ends at a virtual rest and no limit of acceleration reached: the distance is a pure cubic.
+#[inline]
+fn from_rest(up: &Side, down: &Side, reach: f64) -> [Climb; 2] {
+    let ratio = (up.k * 0.5 * down.two_over_k).sqrt();
+    let q = (reach / (up.c + down.c * ratio * ratio * ratio)).cbrt();
+    [Climb { peak: q, hold: 0.0 }, Climb { peak: q * ratio, hold: 0.0 }]
+}
+
 /// The root of `D(w) = distance` in a bracket.
-fn top(sides: &[Side; 2], distance: f64, (mut low, mut high): (f64, f64)) -> f64 {
-    let total = |w: f64| sides[0].distance(w) + sides[1].distance(w);
+fn top(sides: &[Side; 2], distance: f64, (mut low, mut high): (f64, f64)) -> [Climb; 2] {
     for side in sides {
         let w = side.saturated;
         if w > low && w < high {
-            if total(w) <= distance { low = w } else { high = w }
+            let d = sides[0].length(sides[0].climb(w)) + sides[1].length(sides[1].climb(w));
+            if d <= distance {
+                low = w;
+            } else {
+                high = w;
+            }
         }
     }
-    let held = [low >= sides[0].saturated, low >= sides[1].saturated];
-    match held {
+    let [up, down] = sides;
+    match [low >= up.saturated, low >= down.saturated] {
         [true, true] => {
-            let ((d0, r0), (d1, r1)) = (sides[0].held(low), sides[1].held(low));
+            let ((d0, r0), (d1, r1)) = (up.held(low), down.held(low));
             let (rest, slope) = (distance - d0 - d1, r0 + r1);
-            let bend = 2.0 * (1.0 / sides[0].limit + 1.0 / sides[1].limit);
-            (low + 2.0 * rest / (slope + (slope * slope + bend * rest).max(0.0).sqrt())).clamp(low, high)
+            let bend = 2.0 * (1.0 / up.limit + 1.0 / down.limit);
+            let w = (low + 2.0 * rest / (slope + (slope * slope + bend * rest).max(0.0).sqrt())).clamp(low, high);
+            [up.climb(w), down.climb(w)]
         }
-        [true, false] => newton(&sides[1], &sides[0], true, distance, (low, high)),
-        [false, true] => newton(&sides[0], &sides[1], true, distance, (low, high)),
+        [true, false] => swap(newton(down, up, true, distance, (low, high))),
+        [false, true] => newton(up, down, true, distance, (low, high)),
         // The side with the higher base has the smaller peak: in its peak the other one is smooth.
-        [false, false] if sides[0].base >= sides[1].base => newton(&sides[0], &sides[1], false, distance, (low, high)),
-        [false, false] => newton(&sides[1], &sides[0], false, distance, (low, high)),
+        [false, false] if up.base >= down.base => newton(up, down, false, distance, (low, high)),
+        [false, false] => swap(newton(down, up, false, distance, (low, high))),
     }
 }
 
+fn swap([a, b]: [Climb; 2]) -> [Climb; 2] {
+    [b, a]
+}
+
 /// Safeguarded Newton iteration in the peak acceleration `q` of the side `own`, which is below its limit.
-fn newton(own: &Side, other: &Side, held: bool, distance: f64, (low, high): (f64, f64)) -> f64 {
+#[inline]
+fn newton(own: &Side, other: &Side, held: bool, distance: f64, (low, high): (f64, f64)) -> [Climb; 2] {
     let (mut lo, mut hi) = (own.peak(low), own.peak(high));
     let mut q = guess(own, other, held, distance).clamp(lo, hi);
+    let linear = own.base * own.k;
     for _ in 0..100 {
         let w = own.base + 0.5 * own.k * q * q;
         let (d, slope) = if held {
@@ -135,7 +187,7 @@ fn newton(own: &Side, other: &Side, held: bool, distance: f64, (low, high): (f64
             (d, rate * own.k * q)
         } else {
             let p = other.peak(w);
-            let grow = if p > 0.0 { own.k * q / (other.k * p) } else { 1.0 };
+            let grow = if p > 0.0 { 0.5 * own.k * other.two_over_k * q / p } else { 1.0 };
             (other.free(p), (other.base * other.k + 3.0 * other.c * p * p) * grow)
         };
         let excess = d + own.free(q) - distance;
@@ -144,18 +196,25 @@ fn newton(own: &Side, other: &Side, held: bool, distance: f64, (low, high): (f64
         } else {
             lo = q;
         }
-        let step = excess / (slope + own.base * own.k + 3.0 * own.c * q * q);
-        let mut next = q - step;
-        if !(next >= lo && next <= hi) {
+        let mut next = q - excess / (slope + linear + 3.0 * own.c * q * q);
+        let inside = next >= lo && next <= hi;
+        if !inside {
             next = f64::midpoint(lo, hi);
         }
-        let done = (next - q).abs() <= 1e-15 * q || excess == 0.0;
+        // The error after a step is of the order of the square of the step.
+        let done = (next - q).abs() <= if inside { 3e-9 * q } else { 0.0 };
         q = next;
         if done {
             break;
         }
     }
-    (own.base + 0.5 * own.k * q * q).clamp(low, high)
+    let w = (own.base + 0.5 * own.k * q * q).clamp(low, high);
+    let over = if held {
+        Climb { peak: other.limit, hold: ((w - other.saturated) / other.limit).max(0.0) }
+    } else {
+        Climb { peak: other.peak(w), hold: 0.0 }
+    };
+    [Climb { peak: q, hold: 0.0 }, over]
 }
 
 /// An upper estimate of the root: from the linear and from the cubic terms alone.
@@ -164,7 +223,7 @@ fn guess(own: &Side, other: &Side, held: bool, distance: f64) -> f64 {
     let reach = distance + own.skipped + other.skipped;
     let (mut linear, mut cubic) = (own.base * own.k, own.c);
     if !held {
-        let ratio = (own.k / other.k).sqrt();
+        let ratio = (0.5 * own.k * other.two_over_k).sqrt();
         linear += other.base * other.k * ratio;
         cubic += other.c * ratio * ratio * ratio;
     }

@@ -170,18 +170,16 @@ impl SCurve {
         self.forward()
     }
 
+    /// Refuses limits that are not positive and anything that is not finite.
+    #[inline]
     fn check(&self) -> Result<(), PlanError> {
-        const NAMES: [&str; 7] = ["speed", "acceleration", "deceleration", "jerk.build", "jerk.release", "jerk.brake", "jerk.unbrake"];
         let Bounds { speed, acceleration, deceleration, jerk } = self.bounds;
         let limits = [speed, acceleration, deceleration, jerk.build, jerk.release, jerk.brake, jerk.unbrake];
         let states = [self.distance, self.start.0, self.start.1, self.end.0, self.end.1];
-        if limits.iter().all(|x| *x > 0.0 && x.is_finite()) && states.iter().all(|x| x.is_finite()) {
-            return Ok(());
-        }
-        if let Some(i) = limits.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
-            return Err(PlanError::bad(NAMES[i], limits[i], "a finite number > 0"));
-        }
-        Err(PlanError::bad("s-curve state", format!("{states:?}"), "finite distance, speeds and accelerations"))
+        // One comparison for all of them: a sum of finite numbers that overflows is sorted out by the careful check.
+        let positive = limits.iter().fold(true, |all, x| all & (*x > 0.0));
+        let sum: f64 = limits.iter().sum::<f64>() + states.iter().map(|x| x.abs()).sum::<f64>();
+        if positive & (sum < f64::INFINITY) { Ok(()) } else { check_slowly(&limits, &states) }
     }
 
     #[inline]
@@ -260,6 +258,18 @@ impl SCurve {
             best.map_or(String::from("no end speed can be reached in it"), |v| format!("the nearest end speed that can be reached is {v:.6} m/s"));
         PlanError::Infeasible { reason: format!("distance {} m is too short: {at_least}; {advice}", self.distance), best_end_speed: best }
     }
+}
+
+#[cold]
+fn check_slowly(limits: &[f64; 7], states: &[f64; 5]) -> Result<(), PlanError> {
+    const NAMES: [&str; 7] = ["speed", "acceleration", "deceleration", "jerk.build", "jerk.release", "jerk.brake", "jerk.unbrake"];
+    if let Some(i) = limits.iter().position(|x| !(*x > 0.0 && x.is_finite())) {
+        return Err(PlanError::bad(NAMES[i], limits[i], "a finite number > 0"));
+    }
+    if states.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(PlanError::bad("s-curve state", format!("{states:?}"), "finite distance, speeds and accelerations"))
 }
 
 /// The error for boundary accelerations that run over the speed limit.

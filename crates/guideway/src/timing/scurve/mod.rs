@@ -177,9 +177,9 @@ impl SCurve {
         let limits = [speed, acceleration, deceleration, jerk.build, jerk.release, jerk.brake, jerk.unbrake];
         let states = [self.distance, self.start.0, self.start.1, self.end.0, self.end.1];
         // One comparison for all of them: a sum of finite numbers that overflows is sorted out by the careful check.
-        let positive = limits.iter().fold(true, |all, x| all & (*x > 0.0));
+        let positive = limits.iter().copied().fold(f64::INFINITY, f64::min) > 0.0;
         let sum: f64 = limits.iter().sum::<f64>() + states.iter().map(|x| x.abs()).sum::<f64>();
-        if positive & (sum < f64::INFINITY) { Ok(()) } else { check_slowly(&limits, &states) }
+        if positive && sum < f64::INFINITY { Ok(()) } else { check_slowly(&limits, &states) }
     }
 
     #[inline]

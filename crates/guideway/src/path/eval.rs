@@ -152,7 +152,7 @@ impl Path {
 }
 
 /// Rows 0..=3 by `t` at a place where the curve moves: where the speed vanishes (repeated control points) the derivatives are those a little inside.
-fn regular(control: &[f64], dim: usize, t: f64, r: &mut [f64]) {
+pub(super) fn regular(control: &[f64], dim: usize, t: f64, r: &mut [f64]) {
     derivatives(control, dim, t, r);
     let size = |rows: &[f64]| rows.iter().map(|v| v.abs()).fold(0.0, f64::max);
     let scale = control.chunks_exact(dim).map(|row| row.iter().zip(control).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)).fold(0.0, f64::max);

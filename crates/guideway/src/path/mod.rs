@@ -4,6 +4,7 @@ mod arc_length;
 mod bezier;
 mod bspline;
 mod eval;
+mod measure;
 mod project;
 #[cfg(test)]
 mod tests;
@@ -11,3 +12,4 @@ mod tests;
 pub use bezier::Bezier;
 pub use bspline::Path;
 pub use eval::{Corner, Planar};
+pub use measure::{ENERGY, Metrics, TURNING, measure};

@@ -1,6 +1,74 @@
 use super::*;
 use crate::world::shape::{distance, wrap};
+use crate::world::{Bits, Grid, World};
 use proptest::prelude::*;
+
+/// A grid of 1 m cells.
+fn grid(rows: &[&str]) -> World {
+    let (w, h) = (rows[0].len() as u32, rows.len() as u32);
+    let mut blocked = Bits::new(w, h);
+    for (y, row) in rows.iter().rev().enumerate() {
+        for (x, c) in row.bytes().enumerate() {
+            blocked.set(x as u32, y as u32, c == b'#');
+        }
+    }
+    World::from_grid(Grid::new(blocked, None, 1.0, [0.0; 3]).unwrap())
+}
+
+/// `n` cells of travel with `turns` turns of 45 degrees, alternating, spread evenly.
+fn zigzag(n: usize, turns: usize) -> Path {
+    let mut points = vec![[0.5, 0.5]];
+    let mut turned = 0;
+    for i in 0..n {
+        if turned < turns && i * turns >= n * turned && i > 0 {
+            turned += 1;
+        }
+        let heading = if turned % 2 == 1 { std::f64::consts::FRAC_PI_4 } else { 0.0 };
+        let [x, y] = points[i];
+        points.push([x + heading.cos(), y + heading.sin()]);
+    }
+    Path::polyline(&points)
+}
+
+#[test]
+fn measures_of_hand_made_paths() {
+    let free = World::from_shapes([0.0, 0.0, 100.0, 100.0], vec![], 1.0).unwrap();
+    for (turns, expected) in [(3, 0.97), (20, 0.82)] {
+        let m = measure(&zigzag(28, turns), &free, 0.0);
+        assert_eq!(m.turns, turns);
+        assert!((m.smoothness - expected).abs() < 0.005, "{}", m.smoothness);
+        assert!((m.total_turning - turns as f64 * std::f64::consts::FRAC_PI_4).abs() < 1e-9);
+        assert!((m.length - 28.0).abs() < 1e-9 && (m.energy - (28.0 + 0.5 * turns as f64)).abs() < 1e-9);
+        assert_eq!((m.max_curvature, m.min_clearance), (None, None));
+    }
+    let straight = measure(&Path::polyline(&[[0.0, 0.0], [9.0, 0.0]]), &free, 0.0);
+    assert_eq!((straight.turns, straight.smoothness, straight.max_curvature), (0, 1.0, Some(0.0)));
+    let back = measure(&Path::polyline(&(0..9).map(|i| [f64::from(i % 2), 0.0]).collect::<Vec<_>>()), &free, 0.0);
+    assert!((back.smoothness - 1.0 / 8.0).abs() < 1e-12, "{}", back.smoothness); // the last window does not turn
+}
+
+#[test]
+fn measures_of_curves() {
+    let world = grid(&["......", "......", "..#...", "......"]);
+    let path = Path::polyline(&[[0.5, 0.6], [5.5, 0.6]]);
+    assert!((measure(&path, &world, 0.25).min_clearance.unwrap() - 0.15).abs() < 1e-12);
+    let through = Path::polyline(&[[0.5, 1.4], [5.5, 1.4]]);
+    assert!((measure(&through, &world, 0.0).min_clearance.unwrap() + 0.4).abs() < 1e-9);
+    let corner = Path::polyline(&[[1.0, 0.5], [3.7, 0.5], [3.7, 3.0]]); // passes the corner (3, 1) at 0.7 right and 0.5 below
+    assert!((measure(&corner, &world, 0.0).min_clearance.unwrap() - 0.5).abs() < 1e-12);
+    let m = measure(&quarter(), &world, 0.0);
+    assert_eq!(m.turns, 1);
+    assert!((m.total_turning - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
+    let dense = (0..=20000).map(|i| quarter().planar(quarter().length() * f64::from(i) / 20000.0).curvature).fold(0.0, f64::max);
+    assert!((m.max_curvature.unwrap() - dense).abs() < 1e-7, "{:?} {dense}", m.max_curvature);
+    // Two bends with about 4 m of straight travel between them are two turns in cells of 1 m, one turn in cells of 5 m.
+    let rows = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [2.0, 5.0], [2.0, 6.0], [3.0, 6.0], [4.0, 6.0]];
+    let bends = Path::new(3, 2, [vec![0.0; 4], (1..=5).map(f64::from).collect(), vec![6.0; 4]].concat(), rows.concat()).unwrap();
+    for (cell, turns) in [(1.0, 2), (5.0, 1)] {
+        let free = World::from_shapes([0.0, 0.0, 100.0, 100.0], vec![], cell).unwrap();
+        assert_eq!(measure(&bends, &free, 0.0).turns, turns, "cells of {cell} m");
+    }
+}
 
 /// Clamped uniform knots.
 fn knots(degree: usize, n: usize) -> Vec<f64> {

@@ -1,5 +1,18 @@
 //! From a planner's raw path to one that a robot likes to drive.
 
+mod belt;
+mod chords;
+mod fit;
+mod simplify;
+mod smooth;
+mod spline;
+#[cfg(test)]
+mod tests;
+
+pub use chords::polyline;
+pub use simplify::Simplify;
+pub use smooth::Smooth;
+
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::path::Path;

@@ -72,7 +72,7 @@ fn measures_of_curves() {
 
 /// Clamped uniform knots.
 fn knots(degree: usize, n: usize) -> Vec<f64> {
-    (0..n + degree + 1).map(|i| (i.clamp(degree, n) - degree) as f64).collect()
+    (0..=n + degree).map(|i| (i.clamp(degree, n) - degree) as f64).collect()
 }
 
 fn spline(degree: usize, points: &[[f64; 2]]) -> Path {

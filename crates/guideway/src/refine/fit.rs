@@ -124,7 +124,7 @@ impl<'a> Fit<'a> {
             match guide.parts[part].form {
                 Form::Arc { .. } => blame.push(i),
                 Form::Line { .. } if self.chain[i].radius == 0.0 && self.chain[i + 1].radius == 0.0 => {
-                    given.push([self.chain[i].at(), self.chain[i + 1].at()])
+                    given.push([self.chain[i].at(), self.chain[i + 1].at()]);
                 }
                 Form::Line { .. } => blame.extend([i, i + 1]),
             }

@@ -36,7 +36,7 @@ impl Refiner for Simplify {
 
 impl Simplify {
     /// The way points that stay (m), each with whether it is fixed (start, via, goal).
-    pub(super) fn points(&self, path: &Path, query: &Query) -> Vec<(Point, bool)> {
+    pub(super) fn points(self, path: &Path, query: &Query) -> Vec<(Point, bool)> {
         let points = if path.degree() == 1 { path.points() } else { polyline(path, query) };
         let points = with_stops(points, &query.via);
         let fixed: Vec<usize> = (0..points.len()).filter(|&i| points[i].1).collect();

@@ -166,12 +166,8 @@ fn peaks(path: &Path, limit: f64) -> Vec<(Point, f64)> {
             let k = place.curvature.abs();
             let over = k > limit * (1.0 + 1e-6);
             match peaks.last_mut() {
-                Some(peak) if over && above => {
-                    if k > peak.1 {
-                        *peak = (place.point, k);
-                    }
-                }
-                _ if over => peaks.push((place.point, k)),
+                Some(peak) if over && above && k > peak.1 => *peak = (place.point, k),
+                _ if over && !above => peaks.push((place.point, k)),
                 _ => {}
             }
             above = over;

@@ -1,1 +1,10 @@
-"""Pictures: the self-contained HTML report and figures for papers. Reads results, never calls a planner."""
+"""Pictures of results: one self-contained HTML report, figures for papers, map images.
+
+Reads results (the dictionaries of ``plan.json`` and ``run.json``) and a picture of the world; never plans anything itself.
+"""
+
+from .figure import figure, map_png
+from .report import page, report
+from .scenery import Scenery
+
+__all__ = ["Scenery", "figure", "map_png", "page", "report"]

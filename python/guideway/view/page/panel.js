@@ -1,0 +1,259 @@
+// The facts beside the map. Every text from a file goes through textContent.
+
+function make(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
+    else if (value === true) node.setAttribute(name, "");
+    else if (value !== false && value !== null && value !== undefined) node.setAttribute(name, value);
+  }
+  node.append(...children.filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+const SVG = "http:" + "//www.w3.org/2000/svg";
+
+function drawing(tag, attributes, ...children) {
+  const node = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
+  node.append(...children);
+  return node;
+}
+
+const SIGNS = { good: "M2.5 7.5l3 3 6-7", bad: "M3 3l8 8M11 3l-8 8", warn: "M7 2.5v5.5M7 11v.4", none: "M3 7h8" };
+const sign = (kind) => drawing("svg", { viewBox: "0 0 14 14", "aria-hidden": "true" }, drawing("path", { d: SIGNS[kind] }));
+
+/** A number with about four digits that matter. */
+function show(value) {
+  if (!finite(value)) return "\u2013";
+  const size = Math.abs(value);
+  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 || size === 0 ? 2 : size >= 0.001 ? 4 : null;
+  const text = digits === null ? value.toExponential(1) : Number.isInteger(value) && size >= 10 ? value.toFixed(0) : value.toFixed(digits);
+  return text.replace("-", "\u2212");
+}
+
+/** A measured number to the millimetre (or its like). */
+const exact = (value) => (finite(value) && Math.abs(value) < 1000 && (Math.abs(value) >= 0.001 || value === 0) ? value.toFixed(3).replace("-", "\u2212") : show(value));
+
+/** As `show`, without zeros at the end: for settings rather than measurements. */
+const trimmed = (value) => show(value).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+const percent = (part) => `${(100 * part).toFixed(Math.abs(part) < 0.00095 && part !== 0 ? 2 : 1).replace("-", "\u2212")} %`;
+const words = (key) => String(key).replace(/_/g, " ");
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** Any JSON value as one line of text. */
+function plain(value) {
+  if (value === null || value === undefined) return "\u2013";
+  if (typeof value === "number") return Number.isInteger(value) ? String(value).replace("-", "\u2212") : trimmed(value);
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (Array.isArray(value)) return value.length > 8 ? `${value.length} values` : value.map(plain).join(", ");
+  if (typeof value === "object") return Object.entries(value).map(([key, item]) => `${words(key)} ${plain(item)}`).join(", ");
+  return String(value);
+}
+
+const METRICS = {
+  length: ["Length", "m"], turns: ["Turns", ""], total_turning: ["Total turning", "rad"], min_clearance: ["Least clearance", "m"],
+  max_curvature: ["Largest curvature", "1/m"], smoothness: ["Smoothness (0 to 1)", ""], energy: ["Energy", "grid units"],
+};
+const LIMITS = {
+  speed: ["Speed", "m/s"], acceleration: ["Acceleration", "m/s\u00b2"], deceleration: ["Deceleration", "m/s\u00b2"], jerk: ["Jerk", "m/s\u00b3"],
+  turn_rate: ["Turn rate", "rad/s"], turn_acceleration: ["Turn acceleration", "rad/s\u00b2"], lateral_acceleration: ["Lateral acceleration", "m/s\u00b2"],
+};
+const SEARCH = { seconds: ["Time to plan", "s"], raw_length: ["Length of the raw path", "m"], iterations: ["Iterations", ""], evaluations: ["Paths judged", ""], stop: ["Ended because", ""] };
+
+/** A table of a record: [label, unit] by key, other keys by their own name. */
+function tableOf(values, known, skip = []) {
+  const kept = Object.entries(record(values)).filter(([key, value]) => !skip.includes(key) && !(Array.isArray(value) && !value.length));
+  const units = kept.some(([key, value]) => finite(value) && known[key] && known[key][1]);
+  const rows = kept.map(([key, value]) => {
+    const [label, unit] = known[key] || [capital(words(key)), ""];
+    if (finite(value)) return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, known === METRICS && !Number.isInteger(value) ? exact(value) : plain(value)), units ? make("td", { class: "u" }, unit) : null);
+    const text = /^[0-9a-f]{40,}$/.test(value) ? `${value.slice(0, 12)}\u2026` : value === null ? (known === LIMITS ? "no limit" : "\u2013") : plain(value);
+    return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "w", colspan: units ? 2 : 1, title: typeof value === "string" ? value : null }, text));
+  });
+  return rows.length ? make("table", {}, make("tbody", {}, ...rows)) : null;
+}
+
+const block = (title, ...children) => (children.some(Boolean) ? make("section", {}, make("h2", {}, title), ...children) : null);
+
+/** How far a result is from the best possible, in words. */
+function gapWords(reference) {
+  const { any_angle_gap: any, grid_gap: grid, proved } = record(reference);
+  const best = proved === false ? "best known bound (not proved to be reachable)" : "proved optimum";
+  if (finite(any)) {
+    if (any < -1e-9) return `${percent(-any)} shorter than the reference: one of the two is wrong.`;
+    return any < 5e-7 ? `Exactly as short as the ${best}.` : `${percent(any)} longer than the ${best}.`;
+  }
+  if (finite(grid)) return grid < 5e-7 ? "Exactly as short as the best path on the grid." : `${percent(grid)} longer than the best path on the grid.`;
+  return "";
+}
+
+/** Status of a result: [kind, headline, sentences]. */
+function verdictOf(entry) {
+  const { data } = entry;
+  if (entry.kind === "run") return runVerdict(entry);
+  const certificate = record(data.certificate);
+  const [kind, head] = certificate.ok === true ? ["good", "Certified"] : certificate.ok === false ? ["bad", "Certificate failed"] : ["none", "Not certified"];
+  const sentences = [gapWords(data.reference)];
+  if (finite(record(data.metrics).min_clearance)) {
+    const asked = number(record(data.query).clearance);
+    sentences.push(`Keeps ${show(data.metrics.min_clearance)} m from every obstacle${asked > 0 ? `; ${show(asked)} m was asked for` : ""}.`);
+  }
+  if (!entry.motion.timed) sentences.push("No timing was asked for: the bar below the map runs along the path.");
+  return [kind, head, sentences];
+}
+
+function runVerdict({ data, motion }) {
+  const when = show(finite(data.time) ? data.time : motion.duration);
+  const heads = { arrived: ["good", `Arrived after ${when} s`], collision: ["bad", `Collided after ${when} s`], timeout: ["warn", `Out of time after ${when} s`], stuck: ["warn", `Stuck after ${when} s`] };
+  const [kind, head] = heads[data.outcome] || ["none", data.outcome ? capital(plain(data.outcome)) : "Drive"];
+  const sentences = [];
+  if (finite(data.min_separation)) sentences.push(`${data.outcome === "collision" ? "Least" : "Never closer than"} ${show(data.min_separation)} m ${data.outcome === "collision" ? "distance to" : "to"} an obstacle.`);
+  const counts = [[data.replans, "replan", "replans"], [data.emergency_stops, "emergency stop", "emergency stops"]];
+  const said = counts.filter(([n]) => finite(n)).map(([n, one, more]) => `${n || "no"} ${n === 1 ? one : more}`);
+  if (said.length) sentences.push(`${capital(said.join(", "))}.`);
+  return [kind, head, sentences];
+}
+
+const keyFigure = (label, value, unit) => make("div", {}, make("dt", {}, label), make("dd", {}, value, unit ? make("small", {}, unit) : ""));
+
+function keyFigures({ kind, data, motion }) {
+  const metrics = record(data.metrics);
+  if (kind === "run") {
+    return [
+      keyFigure("Time", show(finite(data.time) ? data.time : motion.duration), "s"), keyFigure("Driven", show(motion.line.length), "m"),
+      keyFigure("Least distance", show(data.min_separation), "m"), keyFigure("Replans", finite(data.replans) ? String(data.replans) : "\u2013", ""),
+    ];
+  }
+  const gap = record(data.reference).any_angle_gap;
+  return [
+    keyFigure("Length", show(finite(metrics.length) ? metrics.length : motion.line.length), "m"), keyFigure("Duration", motion.timed ? show(motion.duration) : "\u2013", motion.timed ? "s" : ""),
+    keyFigure("Least clearance", show(metrics.min_clearance), "m"), keyFigure("Over the optimum", finite(gap) ? percent(gap).replace(" %", "") : "\u2013", finite(gap) ? "%" : ""),
+  ];
+}
+
+const noteOf = (kind, title, items) => (items.length ? make("div", { class: `note ${kind}` }, title, make("ul", {}, ...items.map((item) => make("li", {}, plain(item))))) : null);
+
+function fillVerdict(host, entry, several) {
+  const [kind, head, sentences] = verdictOf(entry);
+  const missing = list(entry.data.unmet);
+  const warnings = list(entry.data.warnings);
+  host.replaceChildren(
+    make("div", { class: "status" }, make("span", { class: `badge ${kind}` }, sign(kind)), make("span", {}, several ? `${entry.label}: ${head.charAt(0).toLowerCase()}${head.slice(1)}` : head)),
+    make("p", { class: "words" }, sentences.filter(Boolean).join(" ")),
+    make("dl", { class: "keys" }, ...keyFigures(entry)),
+    ...[noteOf("warn", "Could not be met:", missing), noteOf("warn", "Take note:", warnings)].filter(Boolean),
+  );
+}
+
+/** Certificate checks as a list; each may be a text or a record with a name and `ok`. */
+function checksOf(certificate) {
+  const items = [];
+  const add = (ok, name, more) => {
+    const kind = ok === true ? "good" : ok === false ? "bad" : "none";
+    items.push(make("li", { class: kind }, sign(kind), make("span", {}, capital(words(name)), make("span", { class: "hush" }, ok === true ? " (passed)" : ok === false ? " (failed)" : "")), make("span", { class: "more" }, more)));
+  };
+  if (typeof certificate.collision_free === "boolean") add(certificate.collision_free, "Free of collision", finite(certificate.step) ? `sampled every ${plain(certificate.step)} m` : "");
+  for (const check of list(certificate.checks).slice(0, 200)) {
+    if (check && typeof check === "object" && !Array.isArray(check)) {
+      const { name, check: other, ok, passed, ...rest } = check;
+      add(typeof ok === "boolean" ? ok : passed, name || other || "Check", plain(rest));
+    } else add(certificate.ok, plain(check), "");
+  }
+  return items.length ? make("ul", { class: "checks" }, ...items) : null;
+}
+
+/** Search history as a small curve of the best cost. */
+function sparkOf(history) {
+  const rows = pointsOf(history);
+  if (rows.length < 3) return null;
+  const [xs, ys] = [rows.map((row) => row[0]), rows.map((row) => row[1])];
+  const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const at = (row) => [2 + (396 * (row[0] - x0)) / (x1 - x0 || 1), 72 - (66 * (row[1] - y0)) / (y1 - y0 || 1)];
+  const path = rows.map((row, i) => `${i ? "L" : "M"}${at(row).map((v) => v.toFixed(1)).join(" ")}`).join("");
+  const svg = drawing("svg", { viewBox: "0 0 400 76", class: "spark", preserveAspectRatio: "none", role: "img", "aria-label": `Best cost from ${show(y1)} to ${show(y0)}` });
+  svg.append(drawing("path", { d: path, fill: "none", stroke: "var(--accent)", "stroke-width": "1.6", "vector-effect": "non-scaling-stroke", "stroke-linejoin": "round" }));
+  return make("div", {}, svg, make("p", { class: "small" }, `Best cost over the search: ${show(ys[0])} at ${show(xs[0])}, ${show(ys[ys.length - 1])} at ${show(x1)}.`));
+}
+
+function referenceTable(reference, length) {
+  const { any_angle_optimum: any, grid_optimum: grid, grid_path_length: own, any_angle_gap: anyGap, grid_gap: gridGap, proved } = record(reference);
+  if (!finite(any) && !finite(grid)) return null;
+  const row = (label, value, unit) => make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, value), make("td", { class: "u" }, unit));
+  return make("table", {}, make("tbody", {}, ...[
+    finite(length) ? row("This path", exact(length), "m") : null, finite(any) ? row("Shortest of all", exact(any), "m") : null, finite(anyGap) ? row("Longer by", percent(anyGap).replace(" %", ""), "%") : null,
+    finite(own) ? row("Raw path on the grid", exact(own), "m") : null, finite(grid) ? row("Shortest on the grid", exact(grid), "m") : null, finite(gridGap) ? row("Longer by", percent(gridGap).replace(" %", ""), "%") : null,
+    typeof proved === "boolean" ? row("Optimum proved", proved ? "yes" : "no", "") : null,
+  ].filter(Boolean)));
+}
+
+const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters"];
+const RUN_NAMES = { min_separation: ["Least distance to an obstacle", "m"], replans: ["Replans", ""], emergency_stops: ["Emergency stops", ""], energy: ["Energy", "J"], driven_length: ["Driven length", "m"] };
+const STEP_NAMES = { mean: ["Mean", "s"], p50: ["Half within", "s"], p95: ["95 % within", "s"], p99: ["99 % within", "s"], max: ["Longest", "s"] };
+
+const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
+
+function fillDetails(host, entry, seek) {
+  const { data } = entry;
+  const search = record(data.search);
+  const planner = { planner: data.planner, controller: data.controller, seed: data.seed, ...record(data.parameters) };
+  for (const key of Object.keys(planner)) if (planner[key] === undefined) delete planner[key];
+  const run = entry.kind === "run";
+  const blocks = [
+    run ? block("Drive", tableOf(flat(Object.fromEntries(Object.entries(data).filter(([key]) => !RUN_TABLES.includes(key) && !(key in planner)))), RUN_NAMES)) : block("Metrics", tableOf(data.metrics, METRICS)),
+    run ? block("Events", eventList(data.events, seek)) : block("Certificate", checksOf(record(data.certificate))),
+    run ? block("Time of one control step", tableOf(data.step_seconds, STEP_NAMES)) : block("Against the optimum", referenceTable(data.reference, record(data.metrics).length)),
+    make("div", { class: "pair" }, ...[
+      block(run ? "Controller" : "Planner", tableOf(planner, {})),
+      block("Search", tableOf(search, SEARCH, ["history"]), sparkOf(search.history)),
+      block("Limits", tableOf(record(data.trajectory).limits, LIMITS)),
+      block("Robot", tableOf(record(data.robot), LIMITS)),
+      block("Asked", tableOf(data.query, { clearance: ["Clearance", "m"] })),
+      block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
+    ].filter(Boolean)),
+  ];
+  host.replaceChildren(...blocks.filter(Boolean));
+}
+
+function eventList(events, seek) {
+  const rows = list(events).map(record).slice(0, 500).map((event) => make("li", {}, make("button", { type: "button", onclick: () => seek(number(event.t)) },
+    make("span", { class: "when" }, `${show(event.t)} s`), make("span", {}, capital(words(event.kind || "event"))), make("span", { class: "why" }, event.reason ? plain(event.reason) : ""))));
+  return rows.length ? make("ul", { class: "events" }, ...rows) : null;
+}
+
+const COLUMNS = [
+  ["Length", "m", (e) => (e.kind === "run" ? e.motion.line.length : record(e.data.metrics).length), show, -1],
+  ["Gap", "%", (e) => record(e.data.reference).any_angle_gap, (v) => percent(v).replace(" %", ""), -1],
+  ["Time", "s", (e) => (e.kind === "run" && finite(e.data.time) ? e.data.time : e.motion.timed ? e.motion.duration : null), show, -1],
+  ["Clear", "m", (e) => (e.kind === "run" ? e.data.min_separation : record(e.data.metrics).min_clearance), show, 1],
+  ["Turning", "rad", (e) => record(e.data.metrics).total_turning, show, -1],
+  ["Search", "s", (e) => record(e.data.search).seconds, show, -1],
+  ["Curvature", "1/m", (e) => record(e.data.metrics).max_curvature, show, -1],
+];
+
+/** The comparison of several results; `choose(i)` makes one active, `toggle(i, on)` shows or hides it. */
+function fillCompare(host, entries, { active, visible, choose, toggle }) {
+  host.hidden = entries.length < 2;
+  if (host.hidden) return;
+  const used = COLUMNS.filter(([, , read]) => entries.some((entry) => finite(read(entry))));
+  const best = used.map(([, , read, , better]) => {
+    const values = entries.filter((entry) => entry.kind === "plan").map(read).filter(finite);
+    return values.length > 1 ? (better < 0 ? Math.min(...values) : Math.max(...values)) : NaN;
+  });
+  const head = make("tr", {}, make("th", { scope: "col" }, ""), ...used.map(([name, unit]) => make("th", { scope: "col" }, name, make("small", {}, unit))));
+  const rows = entries.map((entry, i) => {
+    const box = make("input", { type: "checkbox", "aria-label": `Show ${entry.label}`, onchange: (event) => toggle(i, event.target.checked) });
+    box.checked = visible.has(i);
+    const who = make("div", { class: "who" }, box, make("i", {}), make("button", { type: "button", "aria-pressed": String(i === active), onclick: () => choose(i) }, entry.label));
+    who.style.setProperty("--who", `var(--entry-${entry.index % 6})`);
+    const failed = record(entry.data.certificate).ok === false || (entry.kind === "run" && entry.data.outcome !== undefined && entry.data.outcome !== "arrived");
+    const cells = used.map(([, , read, write], k) => {
+      const value = read(entry);
+      const top = entry.kind === "plan" && finite(value) && value === best[k];
+      return make("td", { class: top ? "best" : null }, finite(value) ? write(value) : "\u2013");
+    });
+    if (failed) who.append(make("span", { class: "poor" }, entry.kind === "run" ? plain(entry.data.outcome) : "failed"));
+    return make("tr", { class: i === active ? "active" : null }, make("td", {}, who), ...cells);
+  });
+  host.replaceChildren(make("h2", {}, "Results"), make("div", { class: "scroll" }, make("table", { class: "versus" }, make("thead", {}, head), make("tbody", {}, ...rows))));
+}

@@ -26,6 +26,7 @@ class Room:
     """A fake world: a grid with a wall, its clearance by brute force."""
 
     def __init__(self, cells: np.ndarray, resolution: float = 0.5, origin: tuple[float, float, float] = (-1.0, 2.0, 0.0), shapes: tuple = ()) -> None:
+        self.sha256: str | None = None
         self.cells, self.resolution, self.origin, self.shapes = cells, resolution, origin, list(shapes)
         height, width = cells.shape
         self.bounds = (origin[0], origin[1], origin[0] + width * resolution, origin[1] + height * resolution)
@@ -61,6 +62,10 @@ def room() -> Room:
     return Room(cells)
 
 
+PIECE = {"t": 0, "s": 0, "speed": 0.5, "acceleration": 0, "jerk": 0, "duration": 8.6}
+HIDDEN = {"shape": {"box": [1, 1]}, "states": [[0, 4, 3, 0], [9, 4, 3, 0]]}
+
+
 def plan(**more: Any) -> dict[str, Any]:
     base = {
         "guideway": "0.1.0", "schema": 1, "planner": "visibility", "parameters": {}, "seed": 7,
@@ -70,7 +75,7 @@ def plan(**more: Any) -> dict[str, Any]:
         "polyline": [[0, 3], [1, 3.5], [2, 3.75], [3, 3.5], [4, 3]], "grid_path": [], "raw_path": [[0, 3], [4, 3]],
         "metrics": {"length": 4.3, "min_clearance": 0.15}, "reference": {"any_angle_gap": 0.01, "proved": True, "path": [[0, 3], [4, 3]]},
         "certificate": {"ok": True, "collision_free": True, "step": 0.01, "checks": []}, "unmet": [],
-        "trajectory": {"duration": 8.6, "limits": {"speed": 0.5, "jerk": None}, "pieces": [{"t": 0, "s": 0, "speed": 0.5, "acceleration": 0, "jerk": 0, "duration": 8.6}]},
+        "trajectory": {"duration": 8.6, "limits": {"speed": 0.5, "jerk": None}, "pieces": [PIECE]},
     }  # fmt: skip
     return base | more
 
@@ -79,7 +84,7 @@ def run(**more: Any) -> dict[str, Any]:
     times = [0.1 * i for i in range(50)]
     base = {
         "outcome": "arrived", "time": 4.9, "driven": [[t, t, 3.0, 0.0, 1.0, 0.0] for t in times], "query": plan()["query"],
-        "movers": [{"shape": {"disc": 0.3}, "states": [[t, 2.0, 5.0, 1] for t in times]}, {"shape": {"box": [1, 1]}, "states": [[0, 4, 3, 0], [9, 4, 3, 0]]}],
+        "movers": [{"shape": {"disc": 0.3}, "states": [[t, 2.0, 5.0, 1] for t in times]}, HIDDEN],
         "events": [{"t": 1.0, "kind": "stop", "reason": "mover"}], "replans": 1, "min_separation": 1.5,
     }  # fmt: skip
     return base | more
@@ -157,6 +162,8 @@ def test_a_world_is_embedded_once_and_found_by_each() -> None:
     data = data_of(view.page([plan(), plan(), run(), plan()], worlds=[one, other, one, None]))
     assert [entry["world"] for entry in data["entries"]] == [0, 1, 0, None]
     assert len(data["worlds"]) == 2
+    one.sha256 = other.sha256 = "same file"
+    assert len(data_of(view.page([plan(), plan()], worlds=[one, other]))["worlds"]) == 1
 
 
 def test_labels_tell_results_apart() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def curvature(path: Mapping[str, Any]) -> list[list[float]] | None:
     first, last = knots[degree], knots[len(control)]
     spans = np.unique(knots[(knots >= first) & (knots <= last)])
     each = int(np.clip(4 * SAMPLES // max(1, len(spans) - 1), 4, 24))
-    u = np.unique(np.concatenate([np.linspace(a, b, each) for a, b in zip(spans[:-1], spans[1:], strict=True)] or [spans]))
+    u = np.unique(np.concatenate([np.linspace(a, b, each) for a, b in pairwise(spans)] or [spans]))
     once = derivative(knots, control, degree)
     twice = derivative(*once, degree - 1)
     d1, d2 = de_boor(*once, degree - 1, u), de_boor(*twice, degree - 2, u)

@@ -64,17 +64,17 @@ def bundle(results: Sequence[Mapping[str, Any]], worlds: Worlds = None) -> dict[
     """All data of the page: ``entries`` (one per result) and ``worlds`` (each once)."""
     each = per_result(results, worlds)
     pictures: list[dict[str, Any]] = []
-    known: dict[int, int] = {}
+    known: dict[Any, int] = {}
     entries: list[dict[str, Any]] = []
     for result, world in zip(results, each, strict=True):
-        if world is not None and id(world) not in known:
-            known[id(world)] = len(pictures)
+        if world is not None and identity(world) not in known:
+            known[identity(world)] = len(pictures)
             pictures.append(clean(picture(world)))
         run = is_run(result)
         entries.append(
             {
                 "kind": "run" if run else "plan",
-                "world": None if world is None else known[id(world)],
+                "world": None if world is None else known[identity(world)],
                 "data": clean(slim(result)),
                 "profile": clean((run_profile if run else plan_profile)(result, world)),
             }
@@ -82,6 +82,12 @@ def bundle(results: Sequence[Mapping[str, Any]], worlds: Worlds = None) -> dict[
     for entry, label in zip(entries, labels(results), strict=True):
         entry["label"] = label
     return {"schema": 1, "entries": entries, "worlds": pictures}
+
+
+def identity(world: Scenery) -> Any:
+    """What tells worlds apart: the checksum of the file they were read from, where there is one."""
+    checksum = getattr(world, "sha256", None)
+    return (checksum, tuple(world.bounds)) if isinstance(checksum, str) and checksum else id(world)
 
 
 def per_result(results: Sequence[Mapping[str, Any]], worlds: Worlds) -> list[Scenery | None]:

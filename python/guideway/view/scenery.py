@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,31 +23,36 @@ SHADES = 64
 """Tones of the clearance image."""
 
 
-@runtime_checkable
 class Scenery(Protocol):
     """The part of a world that can be drawn; ``guideway.World`` has it. Images have row 0 on top."""
 
     @property
     def resolution(self) -> float:
         """Side of a cell, m."""
+        ...
 
     @property
     def origin(self) -> Sequence[float]:
         """Pose of the lower-left corner of the lower-left cell: x, y in m, yaw in rad."""
+        ...
 
     @property
     def bounds(self) -> Sequence[float]:
         """Left, lower, right, upper edge, m."""
+        ...
 
     @property
     def shapes(self) -> Sequence[Mapping[str, Any]]:
         """``{"disc": {"center": [x, y], "radius": r}}`` and ``{"polygon": {"points": [[x, y], ...]}}``, m."""
+        ...
 
     def occupancy(self) -> NDArray[np.uint8] | None:
         """``(height, width)``: 0 free, 1 blocked, 2 unknown; ``None`` in a world without a grid."""
+        ...
 
     def clearance_field(self) -> NDArray[np.floating[Any]] | None:
         """``(height, width)``: distance from each cell to the nearest obstacle, m; ``None`` if not at hand."""
+        ...
 
 
 def shrink_walls(cells: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
@@ -100,7 +105,8 @@ def shading(field: NDArray[np.floating[Any]], cell: float) -> dict[str, Any] | N
         return None
     reach = float(np.percentile(positive, 97))
     tones = np.round((SHADES - 1) * np.sqrt(np.clip(small / reach, 0, 1))).astype(np.uint8)
-    greys = [(round(205 + 50 * i / (SHADES - 1)),) * 3 for i in range(SHADES)]
+    levels = [round(205 + 50 * i / (SHADES - 1)) for i in range(SHADES)]
+    greys = [(level, level, level) for level in levels]
     return image_entry(palette_png(tones, greys), small.shape, cell * factor, field.shape, cell) | {"reach": reach}
 
 

@@ -92,6 +92,29 @@ fn engines_agree_across_word_borders() {
     }
 }
 
+#[test]
+fn what_earlier_searches_found_changes_nothing() {
+    let mut rng = ChaCha8Rng::seed_from_u64(14);
+    for round in 0..40u32 {
+        let world = random(30, 70, f64::from(round % 8) * 0.05, &mut rng);
+        let warm = world.lattice(0.0);
+        for _ in 0..25 {
+            let mut cell = || [rng.random_range(0..30), rng.random_range(0..70)];
+            let ends = [cell(), cell()];
+            if !ends.iter().all(|c| warm.free().at(c[0], c[1])) {
+                continue;
+            }
+            for corners in RULES {
+                let cold = World::from_grid(world.grid().unwrap().clone());
+                let [a, b] = [&*warm, &*cold.lattice(0.0)].map(|l| solve(l, Engine::JumpPoint, ends, corners));
+                assert_eq!(a, b);
+                let count = |f: Option<(Steps, Vec<Cell>)>| f.map(|(s, _)| (s.straight, s.diagonal));
+                assert_eq!(count(a), count(solve(&warm, Engine::AStar, ends, corners)));
+            }
+        }
+    }
+}
+
 proptest! {
     #[test]
     fn engines_agree_on_any_map(w in 1u32..10, h in 1u32..10, seed in any::<u64>(), blocked in 0.0..0.6f64) {

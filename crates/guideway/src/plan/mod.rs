@@ -110,6 +110,16 @@ pub const REGISTRY: &[Entry] = &[
         "Exact shortest lattice path by bit-parallel jump point search; the fastest",
         []
     ),
+    entry!("theta-star", search::ThetaStar, false, "nash2007, daniel2010", "Any-angle path over the lattice, near the optimum", []),
+    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Theta* that looks along a line only when it expands its end", []),
+    entry!(
+        "visibility",
+        search::Visibility,
+        false,
+        "harabor2016, cui2017",
+        "Exact any-angle optimum: tangents and arcs around everything in the way",
+        []
+    ),
 ];
 
 /// Builds a planner by name with parameters as a JSON object (missing ones take their defaults).

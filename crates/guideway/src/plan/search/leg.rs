@@ -101,7 +101,7 @@ struct Legs<'a> {
 
 impl Legs<'_> {
     fn leg(&mut self, from: Point, to: Point, ctx: &mut Context) -> Result<(), PlanError> {
-        let (Some(start), Some(goal)) = (self.anchor(from), self.anchor(to)) else {
+        let (Some(start), Some(goal)) = (anchor(self.query, self.lattice, from), anchor(self.query, self.lattice, to)) else {
             return Err(no_path(self.query, false, Some("no free cell centre of the lattice is in reach of the start or the goal".into())));
         };
         let (mut found, mut stopped) = (Vec::new(), None);
@@ -134,28 +134,27 @@ impl Legs<'_> {
         self.steps.diagonal += steps.diagonal;
         self.steps.expansions += steps.expansions;
     }
+}
 
-    /// The free cell whose centre is nearest to `p` and can be reached from it in a straight line; its own cell first.
-    fn anchor(&self, p: Point) -> Option<Cell> {
-        let [x, y] = self.lattice.cell_at(p)?;
-        let (query, lattice) = (self.query, self.lattice);
-        let reach = |c: Cell| {
-            let center = lattice.center(c);
-            lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, query.radius()))
-        };
-        if reach([x, y]) {
-            return Some([x, y]);
-        }
-        let mut near: Vec<Cell> = Vec::new();
-        for cy in y.saturating_sub(2)..=(y + 2).min(lattice.height() - 1) {
-            near.extend((x.saturating_sub(2)..=(x + 2).min(lattice.width() - 1)).map(|cx| [cx, cy]));
-        }
-        near.sort_by(|a, b| shape::distance(lattice.center(*a), p).total_cmp(&shape::distance(lattice.center(*b), p)));
-        near.into_iter().find(|c| reach(*c))
+/// The free cell whose centre is nearest to `p` and can be reached from it in a straight line; its own cell first.
+pub(super) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell> {
+    let [x, y] = lattice.cell_at(p)?;
+    let reach = |c: Cell| {
+        let center = lattice.center(c);
+        lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, query.radius()))
+    };
+    if reach([x, y]) {
+        return Some([x, y]);
     }
+    let mut near: Vec<Cell> = Vec::new();
+    for cy in y.saturating_sub(2)..=(y + 2).min(lattice.height() - 1) {
+        near.extend((x.saturating_sub(2)..=(x + 2).min(lattice.width() - 1)).map(|cx| [cx, cy]));
+    }
+    near.sort_by(|a, b| shape::distance(lattice.center(*a), p).total_cmp(&shape::distance(lattice.center(*b), p)));
+    near.into_iter().find(|c| reach(*c))
 }
 
 /// The one place where a lattice search reports that there is no path.
-fn no_path(query: &Query, proved: bool, reason: Option<String>) -> PlanError {
+pub(super) fn no_path(query: &Query, proved: bool, reason: Option<String>) -> PlanError {
     PlanError::NoPath(Box::new(NoPath { proved, needed: query.radius(), reason, ..NoPath::default() }))
 }

@@ -4,14 +4,21 @@ mod astar;
 mod dijkstra;
 mod jump;
 mod jump_point;
+mod lazy_theta_star;
 mod leg;
 mod open;
+mod sight;
 mod step;
+mod theta_star;
+mod visibility;
 
 pub use astar::AStar;
 pub use dijkstra::Dijkstra;
 pub use jump_point::JumpPoint;
+pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
+pub use theta_star::ThetaStar;
+pub use visibility::Visibility;
 
 use crate::world::{Cell, Corners, Lattice};
 use std::f64::consts::SQRT_2;

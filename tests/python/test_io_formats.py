@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gzip
 import io
-import os
 import struct
 from pathlib import Path
 
@@ -25,11 +24,6 @@ GREY = np.array([[0, 254, 205], [254, 0, 254]], np.uint8)
 BLOCKED = np.array([[1, 0, 1], [0, 1, 0]], bool)
 UNKNOWN = np.array([[0, 0, 1], [0, 0, 0]], bool)
 YAML = "image: {image}\nresolution: 0.5\norigin: [-1.0, 2.0, 0.25]\nnegate: {negate}\noccupied_thresh: 0.65\nfree_thresh: 0.196\n{more}"
-
-
-def data_root() -> Path | None:
-    candidates = [os.environ.get("GUIDEWAY_DATA"), Path(__file__).parents[3] / "shared" / "data"]
-    return next((Path(c) for c in candidates if c and Path(c).is_dir()), None)
 
 
 def pillow(image: Image.Image, kind: str) -> bytes:
@@ -207,18 +201,15 @@ def test_trajectory(tmp_path: Path) -> None:
         gio.write_trajectory(tmp_path / "t.csv", [[0, 1]])
 
 
-def test_public_maps_load() -> None:
-    root = data_root()
-    if root is None:
-        pytest.skip("public data are not here: set GUIDEWAY_DATA")
-    maps = [p for pattern in ("ros_maps/**/*.yaml", "moving_ai/maps/**/*.gz") for p in sorted(root.glob(pattern))]
+def test_public_maps_load(data: Path) -> None:
+    maps = [p for pattern in ("ros_maps/**/*.yaml", "moving_ai/maps/**/*.gz") for p in sorted(data.glob(pattern))]
     assert len(maps) >= 20
     for path in maps:
         for thresholds in ("inclusive", "strict"):
             grid = gio.load_map(path, thresholds=thresholds)
             assert grid.blocked.shape == (grid.height, grid.width)
             assert 0 < grid.blocked.sum() < grid.blocked.size or "speed" in path.name
-    for path in sorted(root.glob("moving_ai/scen/**/*.gz")):
+    for path in sorted(data.glob("moving_ai/scen/**/*.gz")):
         grid = gio.load_map(path.parents[2] / "maps" / path.parent.name / path.name.replace(".scen", ""))
         for row in gio.load_scenario(path):
             assert (row.width, row.height) == (grid.width, grid.height)

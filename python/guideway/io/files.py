@@ -100,8 +100,9 @@ def load(path: str | os.PathLike[str], limit: int = MAX_BYTES) -> Blob:
         _regular(where, os.stat(path), limit)
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0))
         with open(descriptor, "rb") as file:
-            _regular(where, os.fstat(descriptor), limit)
-            raw = file.read(limit + 1)
+            status = os.fstat(descriptor)
+            _regular(where, status, limit)
+            raw = file.read(status.st_size + 1)  # one more tells whether it grew
         if len(raw) > limit:
             raise _too_large(path, len(raw), limit)
         if not raw:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import re
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -137,7 +138,7 @@ def _png(blob: Blob, head: bytes) -> Pixels:
         from PIL.PngImagePlugin import PngImageFile
 
         # the plug-in itself: Image.open would load every other format and judge sizes by a global setting
-        return _pillow(where, PngImageFile(io.BytesIO(_encoded(blob))))
+        return _pillow(where, lambda: PngImageFile(io.BytesIO(_encoded(blob))))
 
 
 def _bmp(blob: Blob, head: bytes) -> Pixels:
@@ -157,7 +158,7 @@ def _bmp(blob: Blob, head: bytes) -> Pixels:
     with guard(where, "the BMP image"):
         from PIL.BmpImagePlugin import BmpImageFile
 
-        return _pillow(where, BmpImageFile(io.BytesIO(_encoded(blob))))
+        return _pillow(where, lambda: BmpImageFile(io.BytesIO(_encoded(blob))))
 
 
 def _encoded(blob: Blob) -> bytes:
@@ -175,11 +176,12 @@ def _plausible(where: str, bits: int, blob: Blob, factor: int) -> None:
         )
 
 
-def _pillow(where: str, image: Image) -> Pixels:
+def _pillow(where: str, read: Callable[[], Image]) -> Pixels:
     import numpy as np
 
-    check_size(where, *image.size)
     try:
+        image = read()
+        check_size(where, *image.size)
         transparent = image.info.get("transparency")
         if image.mode.startswith("I"):
             values = np.asarray(image).astype(np.uint16)
@@ -191,7 +193,9 @@ def _pillow(where: str, image: Image) -> Pixels:
         if transparent is not None:
             wanted = {"L": "LA", "RGB": "RGBA"}.get(wanted, wanted)
         array = np.asarray(image if image.mode == wanted else image.convert(wanted))
-    except (SyntaxError, EOFError, struct.error, IndexError, KeyError, TypeError, ZeroDivisionError, AttributeError) as e:
+    except (BadFile, OSError, ValueError, MemoryError):
+        raise
+    except Exception as e:  # decoders raise what they like on damaged data: SyntaxError, struct.error, zlib.error ...
         raise BadFile(where, "the image data are damaged", todo="Write the image again") from e
     if wanted == "LA":
         return Pixels(array[..., 0], 255, array[..., 1])

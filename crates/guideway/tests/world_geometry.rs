@@ -97,7 +97,11 @@ fn clearance_is_exact() {
         let (resolution, origin) = PLACES[case % 3];
         let world = world(&bits, resolution, origin);
         let grid = world.grid().expect("a grid");
-        for i in 0..150 {
+        for i in 0..300 {
+            if i == 150 {
+                // From here on queries find the field.
+                assert_eq!(world.clearance_field().width(), w);
+            }
             let mut q = [draw.unit() * f64::from(w), draw.unit() * f64::from(h)];
             match i % 5 {
                 1 => q[0] = q[0].round(),

@@ -118,8 +118,40 @@ impl Bits {
         let x = (i << 6) as u32 + 63 - word.leading_zeros();
         (x >= x0).then_some(x)
     }
+    /// Is no bit set?
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|&w| w == 0)
+    }
+    /// From one flag per cell, row after row (`width * height` of them; missing ones are zero).
+    pub fn from_flags(width: u32, height: u32, flags: &[bool]) -> Self {
+        let mut bits = Self::new(width, height);
+        if width == 0 {
+            return bits;
+        }
+        for (line, row) in flags.chunks(width as usize).zip(bits.words.chunks_mut(bits.stride)) {
+            for (part, word) in line.chunks(64).zip(row) {
+                *word = pack(part);
+            }
+        }
+        bits
+    }
     /// Number of set bits.
     pub fn count(&self) -> u64 {
         self.words.iter().map(|w| u64::from(w.count_ones())).sum()
     }
+}
+
+/// Up to 64 flags as bits, the first one lowest.
+#[inline]
+fn pack(flags: &[bool]) -> u64 {
+    let eights = flags.chunks_exact(8);
+    let rest = eights.remainder();
+    let mut word = 0;
+    for (i, eight) in eights.enumerate() {
+        let bytes = eight.iter().enumerate().fold(0u64, |sum, (k, &on)| sum | u64::from(on) << (8 * k));
+        // Gathers the lowest bit of each byte in the top byte.
+        word |= (bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
+    }
+    let done = flags.len() - rest.len();
+    rest.iter().enumerate().fold(word, |word, (k, &on)| word | u64::from(on) << (done + k))
 }

@@ -5,23 +5,39 @@
 use super::bits::Bits;
 use crate::Point;
 
+/// A cell centre and its distance to the nearest set square (0 inside one).
+pub(super) type Known = (Point, f64);
+
+/// A window of this size is searched before anything else, cells: most queries end in it.
+const SMALL: f64 = 8.0;
+
 /// Signed distance from `q` to the union of the set squares, exact where it is below `reach`; `reach` or more elsewhere.
 /// Negative inside: minus the distance to the nearest point that is not in the union, so also on an edge that two set squares share.
-pub(super) fn signed(set: &Bits, q: Point, reach: f64) -> f64 {
+/// `known` may tell about a cell near `q`; it is asked only if nothing is near.
+pub(super) fn signed(set: &Bits, q: Point, reach: f64, known: impl FnOnce() -> Option<Known>) -> f64 {
     if !(q[0].is_finite() && q[1].is_finite()) {
         return f64::NAN;
     }
-    let outside = nearest(set, q, reach);
+    let small = reach.min(SMALL);
+    let found = window_scan(set, q, small);
+    let outside = if found < small || small == reach {
+        found
+    } else if let Some((center, distance)) = known() {
+        let away = (q[0] - center[0]).hypot(q[1] - center[1]) + 1e-9;
+        if distance - away >= reach { reach } else { ring_scan(set, q, distance - away, (distance + away).min(reach)) }
+    } else {
+        nearest(set, q, reach)
+    };
     if outside > 0.0 { outside } else { 0.0 - depth(set, q) }
 }
 
 /// Distance from `q` to the nearest set closed square if that is below `reach`, else `reach`.
-pub(super) fn nearest(set: &Bits, q: Point, reach: f64) -> f64 {
+fn nearest(set: &Bits, q: Point, reach: f64) -> f64 {
     let (w, h) = (f64::from(set.width()), f64::from(set.height()));
     let outside = (-q[0]).max(q[0] - w).max(0.0).hypot((-q[1]).max(q[1] - h).max(0.0));
-    // Nothing is farther than the far corner; a small window first keeps the cost in proportion to the distance.
+    // Nothing is farther than the far corner; windows that grow keep the cost in proportion to the distance.
     let limit = reach.min(q[0].max(w - q[0]).hypot(q[1].max(h - q[1])) + 1.0);
-    let mut window = (outside + 8.0).min(limit);
+    let mut window = (outside + 4.0 * SMALL).min(limit);
     loop {
         let found = window_scan(set, q, window);
         if found < window {
@@ -62,6 +78,48 @@ fn window_scan(set: &Bits, q: Point, mut best: f64) -> f64 {
         go_down = go_down && down >= 0 && visit(down, &mut best);
         up += 1;
         down -= 1;
+    }
+    best
+}
+
+/// Distance from `q` to the nearest set square, which is known to be at least `low` away; `best` if it is not below.
+fn ring_scan(set: &Bits, q: Point, low: f64, mut best: f64) -> f64 {
+    let (w, h) = (i64::from(set.width()), i64::from(set.height()));
+    let (x, middle) = (q[0], q[1].floor() as i64);
+    let mut squared = best * best;
+    let low2 = low.max(0.0) * low.max(0.0);
+    for k in 0.. {
+        let mut seen = false;
+        for j in [middle - k, middle + k] {
+            let dy = (j as f64 - q[1]).max(q[1] - j as f64 - 1.0).max(0.0);
+            if dy >= best {
+                continue;
+            }
+            seen = true;
+            if j < 0 || j >= h || (k == 0 && j > middle) {
+                continue;
+            }
+            // Squares nearer than this in this row would be nearer than `low`.
+            let skip = (low2 - dy * dy).max(0.0).sqrt();
+            let gap = if skip > 1.0 {
+                let (r0, r1) = (((x + skip).ceil() as i64).max(0), ((x + best).floor() as i64).min(w - 1));
+                let (l0, l1) = (((x - best).ceil() as i64 - 1).max(0), ((x - skip).floor() as i64 - 1).min(w - 1));
+                let right = if r0 <= r1 { set.first(j as u32, r0 as u32, r1 as u32, true) } else { None };
+                let left = if l0 <= l1 { set.last(j as u32, l0 as u32, l1 as u32, true) } else { None };
+                let gaps = (right.map_or(f64::INFINITY, |i| f64::from(i) - x), left.map_or(f64::INFINITY, |i| x - f64::from(i) - 1.0));
+                gaps.0.min(gaps.1)
+            } else {
+                row_gap(set, j as u32, x, best).unwrap_or(f64::INFINITY)
+            };
+            let d = gap * gap + dy * dy;
+            if d < squared {
+                squared = d;
+                best = d.sqrt();
+            }
+        }
+        if !seen {
+            break;
+        }
     }
     best
 }

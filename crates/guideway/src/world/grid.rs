@@ -7,6 +7,9 @@ use crate::error::PlanError;
 /// Largest number of cells accepted (16384 x 16384).
 pub const MAX_CELLS: u64 = 1 << 28;
 
+/// Largest number of cells along a side: squared distances then fit 32 bits.
+pub const MAX_SIDE: u32 = 30_000;
+
 /// A cell: column from the left, row from the *bottom* (the map frame has y up).
 pub type Cell = [u32; 2];
 
@@ -28,8 +31,14 @@ impl Grid {
     /// [`PlanError::BadParameter`] for an empty or huge grid, or a resolution or origin that is not finite and positive.
     pub fn new(blocked: Bits, unknown: Option<Bits>, resolution: f64, origin: [f64; 3]) -> Result<Self, PlanError> {
         let cells = u64::from(blocked.width()) * u64::from(blocked.height());
-        if cells == 0 || cells > MAX_CELLS {
-            return Err(PlanError::bad("map size", format!("{} x {} cells", blocked.width(), blocked.height()), format!("1 to {MAX_CELLS} cells")));
+        if cells == 0 || cells > MAX_CELLS || blocked.width() > MAX_SIDE || blocked.height() > MAX_SIDE {
+            let shown = format!("{} x {} cells", blocked.width(), blocked.height());
+            return Err(PlanError::bad("map size", shown, format!("1 to {MAX_CELLS} cells, sides up to {MAX_SIDE} cells")));
+        }
+        if let Some(unknown) = &unknown
+            && (unknown.width(), unknown.height()) != (blocked.width(), blocked.height())
+        {
+            return Err(PlanError::bad("unknown cells", format!("{} x {} cells", unknown.width(), unknown.height()), "the size of the map"));
         }
         if !(resolution.is_finite() && (1e-6..=1e6).contains(&resolution)) {
             return Err(PlanError::bad("resolution", resolution, "1e-6 to 1e6 m per cell"));
@@ -87,7 +96,11 @@ impl Grid {
     /// The cell that holds `p` (m, map frame); `None` outside. The upper and right border belong to the last cell.
     #[inline]
     pub fn cell_at(&self, p: Point) -> Option<Cell> {
-        let [x, y] = self.to_cells(p);
+        self.cell_of(self.to_cells(p))
+    }
+    /// As [`Grid::cell_at`] for a point in the grid frame (cells).
+    #[inline]
+    pub fn cell_of(&self, [x, y]: Point) -> Option<Cell> {
         let (w, h) = (f64::from(self.width()), f64::from(self.height()));
         (x >= 0.0 && y >= 0.0 && x <= w && y <= h).then(|| [(x as u32).min(self.width() - 1), (y as u32).min(self.height() - 1)])
     }

@@ -5,6 +5,8 @@
 
 mod bits;
 mod clearance;
+mod distance;
+mod envelope;
 mod footprint;
 mod grid;
 mod lattice;
@@ -13,18 +15,22 @@ mod segment;
 pub mod shape;
 
 pub use bits::Bits;
+pub use distance::{ClearanceField, DistanceField, distance_transform, distances};
 pub use footprint::Footprint;
-pub use grid::{Cell, Grid, MAX_CELLS};
+pub use grid::{Cell, Grid, MAX_CELLS, MAX_SIDE};
 pub use lattice::{Corners, Lattice, Padded, Pool};
 pub use mover::{Appears, Loop, Mover};
 pub use shape::Shape;
 
 use crate::Point;
 use crate::error::PlanError;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// Obstacles may be touched; contact is told from penetration up to this distance, m.
 const TOUCH: f64 = 1e-9;
+
+/// Side of the tiles in which shapes are sorted out, cells.
+const TILE: u32 = 16;
 
 /// A static world with the movers that overlay it.
 #[derive(Debug)]
@@ -35,6 +41,7 @@ pub struct World {
     resolution: f64,
     movers: Vec<Mover>,
     lattices: Mutex<Vec<(u64, Arc<Lattice>)>>,
+    field: OnceLock<Arc<ClearanceField>>,
 }
 
 impl World {
@@ -50,7 +57,7 @@ impl World {
             fold(1, f64::max, f64::NEG_INFINITY),
         ];
         let resolution = grid.resolution();
-        Self { grid: Some(grid), shapes: Vec::new(), bounds, resolution, movers: Vec::new(), lattices: Mutex::default() }
+        Self { grid: Some(grid), shapes: Vec::new(), bounds, resolution, movers: Vec::new(), lattices: Mutex::default(), field: OnceLock::new() }
     }
 
     /// A continuous world: `bounds` = [x0, y0, x1, y1] in m, shapes, and the `resolution` (m) of the lattice that grid planners see.
@@ -61,10 +68,12 @@ impl World {
         if !(bounds.iter().all(|v| v.is_finite() && v.abs() <= 1e9) && x0 < x1 && y0 < y1) {
             return Err(PlanError::bad("world.bounds", format!("{bounds:?}"), "[x0, y0, x1, y1] in m with x0 < x1 and y0 < y1"));
         }
-        if !(resolution.is_finite() && resolution > 0.0) || ((x1 - x0) / resolution).ceil() * ((y1 - y0) / resolution).ceil() > MAX_CELLS as f64 {
-            return Err(PlanError::bad("world.resolution", resolution, format!("a positive cell side in m that gives at most {MAX_CELLS} cells")));
+        let [w, h] = cells_of(bounds, resolution);
+        if !(resolution.is_finite() && resolution > 0.0 && w * h <= MAX_CELLS as f64 && w.max(h) <= f64::from(MAX_SIDE)) {
+            let allowed = format!("a positive cell side in m that gives at most {MAX_CELLS} cells, sides up to {MAX_SIDE} cells");
+            return Err(PlanError::bad("world.resolution", resolution, allowed));
         }
-        Ok(Self { grid: None, shapes, bounds, resolution, movers: Vec::new(), lattices: Mutex::default() })
+        Ok(Self { grid: None, shapes, bounds, resolution, movers: Vec::new(), lattices: Mutex::default(), field: OnceLock::new() })
     }
 
     /// Adds analytic shapes to the static world.
@@ -72,6 +81,7 @@ impl World {
     pub fn with_shapes(mut self, shapes: Vec<Shape>) -> Self {
         self.shapes.extend(shapes);
         self.lattices = Mutex::default();
+        self.field = OnceLock::new();
         self
     }
 
@@ -139,8 +149,10 @@ impl World {
     pub fn clearance_within(&self, p: Point, reach: f64) -> f64 {
         let shapes = self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
         let grid = self.grid.as_ref().map_or(f64::INFINITY, |g| {
-            let d = clearance::signed(g.blocked(), g.to_cells(p), reach / g.resolution());
-            d * g.resolution()
+            let q = g.to_cells(p);
+            // A query never builds the field, but it uses it.
+            let known = || self.field.get().and_then(|field| field.near(g.cell_of(q)?));
+            clearance::signed(g.blocked(), q, reach / g.resolution(), known) * g.resolution()
         });
         if grid.is_nan() { grid } else { shapes.min(grid) }
     }
@@ -188,6 +200,55 @@ impl World {
         q[0] >= x0 - slack && q[1] >= y0 - slack && q[0] <= x1 + slack && q[1] <= y1 + slack
     }
 
+    /// Clearance of every cell centre of the lattice that grid planners see; computed at the first call and kept.
+    pub fn clearance_field(&self) -> Arc<ClearanceField> {
+        Arc::clone(self.field.get_or_init(|| {
+            let squares = self.grid.as_ref().map_or_else(Vec::new, |g| distance::to_squares(g.blocked()));
+            Arc::new(ClearanceField::new(self.size(), self.resolution, squares, self.shape_distances()))
+        }))
+    }
+
+    /// Columns and rows of the lattice that grid planners see.
+    pub fn size(&self) -> [u32; 2] {
+        match &self.grid {
+            Some(grid) => [grid.width(), grid.height()],
+            None => cells_of(self.bounds, self.resolution).map(|n| n as u32),
+        }
+    }
+
+    /// Centre of a cell of that lattice, m, map frame.
+    pub fn cell_center(&self, [x, y]: Cell) -> Point {
+        match &self.grid {
+            Some(grid) => grid.center([x, y]),
+            None => [self.bounds[0] + (f64::from(x) + 0.5) * self.resolution, self.bounds[1] + (f64::from(y) + 0.5) * self.resolution],
+        }
+    }
+
+    /// Distance from every cell centre to the nearest shape, m; empty without shapes.
+    fn shape_distances(&self) -> Vec<f64> {
+        if self.shapes.is_empty() {
+            return Vec::new();
+        }
+        let [w, h] = self.size();
+        let mut out = vec![f64::INFINITY; w as usize * h as usize];
+        let mut near = Vec::new();
+        for (y0, x0) in (0..h).step_by(TILE as usize).flat_map(|y| (0..w).step_by(TILE as usize).map(move |x| (y, x))) {
+            // Distances change by no more than the way from the middle of the tile: shapes that stay behind the nearest one all over it are left out.
+            let (x1, y1) = ((x0 + TILE).min(w), (y0 + TILE).min(h));
+            let middle = self.cell_center([x0 + TILE / 2, y0 + TILE / 2]);
+            let reach = f64::from(TILE) * self.resolution;
+            near.clear();
+            near.extend(self.shapes.iter().map(|s| (s.distance(middle), s)));
+            let bound = near.iter().map(|n| n.0).fold(f64::INFINITY, f64::min) + 2.0 * reach;
+            near.retain(|n| n.0 <= bound);
+            for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
+                let p = self.cell_center([x, y]);
+                out[y as usize * w as usize + x as usize] = near.iter().map(|n| n.1.distance(p)).fold(f64::INFINITY, f64::min);
+            }
+        }
+        out
+    }
+
     /// The lattice that grid planners see for a disc of radius `radius` (m); built once per radius and kept.
     pub fn lattice(&self, radius: f64) -> Arc<Lattice> {
         let key = radius.to_bits();
@@ -202,4 +263,9 @@ impl World {
         kept.push((key, Arc::clone(&lattice)));
         lattice
     }
+}
+
+/// Columns and rows that cover `bounds`.
+fn cells_of([x0, y0, x1, y1]: [f64; 4], resolution: f64) -> [f64; 2] {
+    [((x1 - x0) / resolution).ceil(), ((y1 - y0) / resolution).ceil()]
 }

@@ -1,0 +1,220 @@
+//! Exact Euclidean distance transforms of bit sets, and the clearance field of a world.
+//!
+//! How they are computed: [`envelope`](super::envelope).
+
+use super::bits::Bits;
+use super::envelope::{self, Row, Rule, Sink};
+use super::grid::{Cell, MAX_SIDE};
+use crate::Point;
+use crate::error::PlanError;
+
+/// Nearest set cell of every cell, between centres.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DistanceField {
+    width: u32,
+    height: u32,
+    squared: Vec<u32>,
+    nearest: Vec<u32>,
+}
+
+impl DistanceField {
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+    #[inline]
+    fn index(&self, [x, y]: Cell) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+    /// Squared distance between the centres of a cell and the nearest set cell, cells squared; `None` if nothing is set.
+    #[inline]
+    pub fn squared(&self, cell: Cell) -> Option<u32> {
+        self.squared.get(self.index(cell)).copied()
+    }
+    /// Distance between the centres of a cell and the nearest set cell, cells; infinite if nothing is set.
+    #[inline]
+    pub fn distance(&self, cell: Cell) -> f64 {
+        self.squared(cell).map_or(f64::INFINITY, |d| f64::from(d).sqrt())
+    }
+    /// The nearest set cell (one of them in a tie); `None` if nothing is set.
+    #[inline]
+    pub fn nearest(&self, cell: Cell) -> Option<Cell> {
+        self.nearest.get(self.index(cell)).map(|i| [i % self.width, i / self.width])
+    }
+}
+
+/// Exact squared distance and nearest set cell of every cell, in time proportional to the number of cells.
+/// # Errors
+/// [`PlanError::BadParameter`] if a side is longer than [`MAX_SIDE`].
+pub fn distance_transform(set: &Bits) -> Result<DistanceField, PlanError> {
+    check(set)?;
+    let mut field = DistanceField { width: set.width(), height: set.height(), squared: Vec::new(), nearest: Vec::new() };
+    if !set.is_empty() {
+        let cells = set.width() as usize * set.height() as usize;
+        field.squared = vec![0; cells];
+        field.nearest = vec![0; cells];
+        envelope::transform(set, &mut field);
+    }
+    Ok(field)
+}
+
+impl Sink for DistanceField {
+    const RULE: Rule = Rule::Centers;
+    fn near(&mut self, row: &Row, x0: usize, keys: &[i16]) {
+        let w = self.width as usize;
+        let start = row.y * w + x0;
+        let (squared, nearest) = (&mut self.squared[start..][..keys.len()], &mut self.nearest[start..][..keys.len()]);
+        for (i, ((&key, d), n)) in keys.iter().zip(squared).zip(nearest).enumerate() {
+            let (square, k) = envelope::decode(key, x0 + i);
+            *d = square;
+            *n = (row.nearest(k) * w + k) as u32;
+        }
+    }
+    fn far(&mut self, row: &Row, k: usize, x0: usize, x1: usize) {
+        let w = self.width as usize;
+        let height = row.height(k) as u32;
+        for (x, d) in (x0 as i32..).zip(&mut self.squared[row.y * w..][x0..x1]) {
+            *d = ((x - k as i32) * (x - k as i32)) as u32 + height;
+        }
+        self.nearest[row.y * w..][x0..x1].fill((row.nearest(k) * w + k) as u32);
+    }
+}
+
+/// Exact distance between the centres of every cell and its nearest set cell, in cells, row after row; infinite if nothing is set.
+/// The same numbers as [`distance_transform`] for less work.
+/// # Errors
+/// [`PlanError::BadParameter`] if a side is longer than [`MAX_SIDE`].
+pub fn distances(set: &Bits) -> Result<Vec<f64>, PlanError> {
+    check(set)?;
+    let cells = set.width() as usize * set.height() as usize;
+    if set.is_empty() {
+        return Ok(vec![f64::INFINITY; cells]);
+    }
+    let roots = std::array::from_fn(|i| (i as f64).sqrt());
+    let mut sink = Distances { width: set.width() as usize, out: vec![0.0; cells], roots };
+    envelope::transform(set, &mut sink);
+    Ok(sink.out)
+}
+
+struct Distances {
+    width: usize,
+    out: Vec<f64>,
+    roots: [f64; 512],
+}
+
+impl Sink for Distances {
+    const RULE: Rule = Rule::Centers;
+    fn near(&mut self, row: &Row, x0: usize, keys: &[i16]) {
+        for (&key, d) in keys.iter().zip(&mut self.out[row.y * self.width + x0..]) {
+            *d = self.roots[(key as u16 >> 6) as usize & 511];
+        }
+    }
+    fn far(&mut self, row: &Row, k: usize, x0: usize, x1: usize) {
+        let height = row.height(k) as f64;
+        for (x, d) in (x0 as i32..).zip(&mut self.out[row.y * self.width..][x0..x1]) {
+            let dx = f64::from(x - k as i32);
+            *d = (dx * dx + height).sqrt();
+        }
+    }
+}
+
+/// Squared distance from every cell centre to the nearest set *closed square*, in quarters of a squared cell, row after row: 0 in set cells, at least 1
+/// elsewhere. Empty if nothing is set. Sides at most [`MAX_SIDE`].
+pub(super) fn to_squares(set: &Bits) -> Vec<u32> {
+    if set.is_empty() {
+        return Vec::new();
+    }
+    let width = set.width() as usize;
+    let mut sink = Squares { width, out: vec![0; width * set.height() as usize], borders: vec![0; width + 1] };
+    envelope::transform(set, &mut sink);
+    sink.out
+}
+
+/// A square reaches half a cell beyond its centre: beside its column its distance is that of a parabola seen from the nearer border of the own
+/// column, so the envelope at the two borders and the own column's height say all.
+struct Squares {
+    width: usize,
+    out: Vec<u32>,
+    /// Envelope at the left border of each column (and the right one of the last), quarters.
+    borders: Vec<u32>,
+}
+
+impl Sink for Squares {
+    const RULE: Rule = Rule::Squares;
+    fn near(&mut self, row: &Row, x0: usize, keys: &[i16]) {
+        for (&key, d) in keys.iter().zip(&mut self.out[row.y * self.width + x0..]) {
+            *d = key as u32;
+        }
+    }
+    fn far(&mut self, row: &Row, k: usize, x0: usize, x1: usize) {
+        let height = row.height(k);
+        for (x, d) in (x0 as i64..).zip(&mut self.borders[x0..x1]) {
+            let gap = 2 * (x - k as i64) - 1;
+            *d = (gap * gap + height) as u32;
+        }
+    }
+    fn finish(&mut self, row: &Row, x0: usize, x1: usize) {
+        for (x, d) in (x0..).zip(&mut self.out[row.y * self.width..][x0..x1]) {
+            *d = i64::from(self.borders[x].min(self.borders[x + 1])).min(row.height(x)) as u32;
+        }
+    }
+}
+
+fn check(set: &Bits) -> Result<(), PlanError> {
+    if set.width() > MAX_SIDE || set.height() > MAX_SIDE {
+        return Err(PlanError::bad("map size", format!("{} x {} cells", set.width(), set.height()), format!("sides up to {MAX_SIDE} cells")));
+    }
+    Ok(())
+}
+
+/// Clearance of the centre of every cell a planner sees, m.
+#[derive(Debug)]
+pub struct ClearanceField {
+    width: u32,
+    height: u32,
+    resolution: f64,
+    /// Quarters of a squared cell; empty if no cell is blocked.
+    squares: Vec<u32>,
+    /// Distance to the nearest shape, m; empty without shapes.
+    shapes: Vec<f64>,
+}
+
+impl ClearanceField {
+    pub(super) fn new(size: [u32; 2], resolution: f64, squares: Vec<u32>, shapes: Vec<f64>) -> Self {
+        Self { width: size[0], height: size[1], resolution, squares, shapes }
+    }
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+    /// Exact distance from the centre of a cell to the nearest obstacle, m; infinite if there is none. Negative inside: in a shape minus the
+    /// distance to its border, in a blocked cell minus half its side (it may be deeper inside the union of the blocked cells).
+    #[inline]
+    pub fn at(&self, [x, y]: Cell) -> f64 {
+        let i = y as usize * self.width as usize + x as usize;
+        let grid = match self.squares.get(i) {
+            None => f64::INFINITY,
+            Some(0) => -0.5 * self.resolution,
+            Some(&d) => 0.5 * self.resolution * f64::from(d).sqrt(),
+        };
+        self.shapes.get(i).map_or(grid, |s| s.min(grid))
+    }
+    /// All values, row after row from the bottom, m.
+    pub fn values(&self) -> Vec<f64> {
+        (0..self.height).flat_map(|y| (0..self.width).map(move |x| self.at([x, y]))).collect()
+    }
+    /// Centre of a cell (grid frame, cells) and its distance to the nearest blocked square, cells (0 in blocked ones), if any is blocked.
+    #[inline]
+    pub(super) fn near(&self, [x, y]: Cell) -> Option<(Point, f64)> {
+        let squared = *self.squares.get(y as usize * self.width as usize + x as usize)?;
+        Some(([f64::from(x) + 0.5, f64::from(y) + 0.5], 0.5 * f64::from(squared).sqrt()))
+    }
+}

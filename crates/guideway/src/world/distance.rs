@@ -4,7 +4,7 @@
 
 use super::bits::Bits;
 use super::envelope::{self, Row, Rule, Sink};
-use super::grid::{Cell, MAX_SIDE};
+use super::grid::{Cell, MAX_CELLS, MAX_SIDE};
 use crate::Point;
 use crate::error::PlanError;
 
@@ -49,7 +49,7 @@ impl DistanceField {
 
 /// Exact squared distance and nearest set cell of every cell, in time proportional to the number of cells.
 /// # Errors
-/// [`PlanError::BadParameter`] if a side is longer than [`MAX_SIDE`].
+/// [`PlanError::BadParameter`] for more than [`MAX_CELLS`] cells or sides longer than [`MAX_SIDE`].
 pub fn distance_transform(set: &Bits) -> Result<DistanceField, PlanError> {
     check(set)?;
     let mut field = DistanceField { width: set.width(), height: set.height(), squared: Vec::new(), nearest: Vec::new() };
@@ -78,7 +78,7 @@ impl Sink for DistanceField {
         let w = self.width as usize;
         let height = row.height(k) as u32;
         for (x, d) in (x0 as i32..).zip(&mut self.squared[row.y * w..][x0..x1]) {
-            *d = ((x - k as i32) * (x - k as i32)) as u32 + height;
+            *d = x.abs_diff(k as i32) * x.abs_diff(k as i32) + height;
         }
         self.nearest[row.y * w..][x0..x1].fill((row.nearest(k) * w + k) as u32);
     }
@@ -87,7 +87,7 @@ impl Sink for DistanceField {
 /// Exact distance between the centres of every cell and its nearest set cell, in cells, row after row; infinite if nothing is set.
 /// The same numbers as [`distance_transform`] for less work.
 /// # Errors
-/// [`PlanError::BadParameter`] if a side is longer than [`MAX_SIDE`].
+/// [`PlanError::BadParameter`] for more than [`MAX_CELLS`] cells or sides longer than [`MAX_SIDE`].
 pub fn distances(set: &Bits) -> Result<Vec<f64>, PlanError> {
     check(set)?;
     let cells = set.width() as usize * set.height() as usize;
@@ -123,68 +123,103 @@ impl Sink for Distances {
 }
 
 /// Squared distance from every cell centre to the nearest set *closed square*, in quarters of a squared cell, row after row: 0 in set cells, at least 1
-/// elsewhere. Empty if nothing is set. Sides at most [`MAX_SIDE`].
-pub(super) fn to_squares(set: &Bits) -> Vec<u32> {
-    if set.is_empty() {
-        return Vec::new();
+/// elsewhere.
+#[derive(Debug)]
+pub(super) enum SquareField {
+    /// Nothing is set.
+    Empty,
+    /// Most maps.
+    Short(Vec<u32>),
+    /// Maps so long that 32 bits do not do.
+    Long(Vec<u64>),
+}
+
+/// Longest side for which [`SquareField::Short`] does, given [`MAX_CELLS`](super::grid::MAX_CELLS).
+const SHORT_SIDE: u32 = 30_000;
+
+impl SquareField {
+    /// For sides up to [`MAX_SIDE`].
+    pub fn new(set: &Bits) -> Self {
+        if set.is_empty() {
+            Self::Empty
+        } else if set.width().max(set.height()) <= SHORT_SIDE {
+            Self::Short(Squares::of(set))
+        } else {
+            Self::Long(Squares::of(set))
+        }
     }
-    let width = set.width() as usize;
-    let mut sink = Squares { width, out: vec![0; width * set.height() as usize], borders: vec![0; width + 1] };
-    envelope::transform(set, &mut sink);
-    sink.out
+    /// Distance of the cell with that index, cells.
+    #[inline]
+    fn at(&self, i: usize) -> Option<f64> {
+        match self {
+            Self::Empty => None,
+            Self::Short(all) => Some(0.5 * f64::from(all[i]).sqrt()),
+            Self::Long(all) => Some(0.5 * (all[i] as f64).sqrt()),
+        }
+    }
 }
 
 /// A square reaches half a cell beyond its centre: beside its column its distance is that of a parabola seen from the nearer border of the own
 /// column, so the envelope at the two borders and the own column's height say all.
-struct Squares {
+struct Squares<T> {
     width: usize,
-    out: Vec<u32>,
+    out: Vec<T>,
     /// Envelope at the left border of each column (and the right one of the last), quarters.
-    borders: Vec<u32>,
+    borders: Vec<u64>,
 }
 
-impl Sink for Squares {
+impl<T: Copy + Default + From<u16> + TryFrom<u64>> Squares<T> {
+    fn of(set: &Bits) -> Vec<T> {
+        let width = set.width() as usize;
+        let mut sink = Self { width, out: vec![T::default(); width * set.height() as usize], borders: vec![0; width + 1] };
+        envelope::transform(set, &mut sink);
+        sink.out
+    }
+}
+
+impl<T: Copy + Default + From<u16> + TryFrom<u64>> Sink for Squares<T> {
     const RULE: Rule = Rule::Squares;
     fn near(&mut self, row: &Row, x0: usize, keys: &[i16]) {
         for (&key, d) in keys.iter().zip(&mut self.out[row.y * self.width + x0..]) {
-            *d = key as u32;
+            *d = T::from(key as u16);
         }
     }
     fn far(&mut self, row: &Row, k: usize, x0: usize, x1: usize) {
         let height = row.height(k);
         for (x, d) in (x0 as i64..).zip(&mut self.borders[x0..x1]) {
             let gap = 2 * (x - k as i64) - 1;
-            *d = (gap * gap + height) as u32;
+            *d = (gap * gap + height) as u64;
         }
     }
     fn finish(&mut self, row: &Row, x0: usize, x1: usize) {
         for (x, d) in (x0..).zip(&mut self.out[row.y * self.width..][x0..x1]) {
-            *d = i64::from(self.borders[x].min(self.borders[x + 1])).min(row.height(x)) as u32;
+            let least = self.borders[x].min(self.borders[x + 1]).min(row.height(x) as u64);
+            *d = T::try_from(least).unwrap_or_default();
         }
     }
 }
 
 fn check(set: &Bits) -> Result<(), PlanError> {
-    if set.width() > MAX_SIDE || set.height() > MAX_SIDE {
-        return Err(PlanError::bad("map size", format!("{} x {} cells", set.width(), set.height()), format!("sides up to {MAX_SIDE} cells")));
+    let (w, h) = (set.width(), set.height());
+    if w.max(h) > MAX_SIDE || u64::from(w) * u64::from(h) > MAX_CELLS {
+        return Err(PlanError::bad("map size", format!("{w} x {h} cells"), format!("at most {MAX_CELLS} cells, sides up to {MAX_SIDE} cells")));
     }
     Ok(())
 }
 
-/// Clearance of the centre of every cell a planner sees, m.
+/// Clearance of the centre of every cell that a planner sees, m.
 #[derive(Debug)]
 pub struct ClearanceField {
     width: u32,
     height: u32,
     resolution: f64,
-    /// Quarters of a squared cell; empty if no cell is blocked.
-    squares: Vec<u32>,
+    squares: SquareField,
     /// Distance to the nearest shape, m; empty without shapes.
     shapes: Vec<f64>,
 }
 
 impl ClearanceField {
-    pub(super) fn new(size: [u32; 2], resolution: f64, squares: Vec<u32>, shapes: Vec<f64>) -> Self {
+    pub(super) fn new(size: [u32; 2], resolution: f64, squares: SquareField, shapes: Vec<f64>) -> Self {
         Self { width: size[0], height: size[1], resolution, squares, shapes }
     }
     /// Columns.
@@ -195,15 +230,19 @@ impl ClearanceField {
     pub fn height(&self) -> u32 {
         self.height
     }
+    #[inline]
+    fn index(&self, [x, y]: Cell) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
     /// Exact distance from the centre of a cell to the nearest obstacle, m; infinite if there is none. Negative inside: in a shape minus the
     /// distance to its border, in a blocked cell minus half its side (it may be deeper inside the union of the blocked cells).
     #[inline]
-    pub fn at(&self, [x, y]: Cell) -> f64 {
-        let i = y as usize * self.width as usize + x as usize;
-        let grid = match self.squares.get(i) {
+    pub fn at(&self, cell: Cell) -> f64 {
+        let i = self.index(cell);
+        let grid = match self.squares.at(i) {
             None => f64::INFINITY,
-            Some(0) => -0.5 * self.resolution,
-            Some(&d) => 0.5 * self.resolution * f64::from(d).sqrt(),
+            Some(0.0) => -0.5 * self.resolution,
+            Some(d) => d * self.resolution,
         };
         self.shapes.get(i).map_or(grid, |s| s.min(grid))
     }
@@ -211,10 +250,20 @@ impl ClearanceField {
     pub fn values(&self) -> Vec<f64> {
         (0..self.height).flat_map(|y| (0..self.width).map(move |x| self.at([x, y]))).collect()
     }
+    /// The cells whose centre has at least this clearance, m.
+    pub fn at_least(&self, clearance: f64) -> Bits {
+        let mut bits = Bits::new(self.width, self.height);
+        for y in 0..self.height {
+            for (i, word) in bits.row_mut(y).iter_mut().enumerate() {
+                let x0 = 64 * i as u32;
+                *word = (x0..self.width.min(x0 + 64)).fold(0, |w, x| w | u64::from(self.at([x, y]) >= clearance) << (x - x0));
+            }
+        }
+        bits
+    }
     /// Centre of a cell (grid frame, cells) and its distance to the nearest blocked square, cells (0 in blocked ones), if any is blocked.
     #[inline]
     pub(super) fn near(&self, [x, y]: Cell) -> Option<(Point, f64)> {
-        let squared = *self.squares.get(y as usize * self.width as usize + x as usize)?;
-        Some(([f64::from(x) + 0.5, f64::from(y) + 0.5], 0.5 * f64::from(squared).sqrt()))
+        self.squares.at(self.index([x, y])).map(|d| ([f64::from(x) + 0.5, f64::from(y) + 0.5], d))
     }
 }

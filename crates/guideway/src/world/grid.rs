@@ -8,7 +8,7 @@ use crate::error::PlanError;
 pub const MAX_CELLS: u64 = 1 << 28;
 
 /// Largest number of cells along a side: squared distances then fit 32 bits.
-pub const MAX_SIDE: u32 = 30_000;
+pub const MAX_SIDE: u32 = 65_000;
 
 /// A cell: column from the left, row from the *bottom* (the map frame has y up).
 pub type Cell = [u32; 2];

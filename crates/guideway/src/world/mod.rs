@@ -203,7 +203,7 @@ impl World {
     /// Clearance of every cell centre of the lattice that grid planners see; computed at the first call and kept.
     pub fn clearance_field(&self) -> Arc<ClearanceField> {
         Arc::clone(self.field.get_or_init(|| {
-            let squares = self.grid.as_ref().map_or_else(Vec::new, |g| distance::to_squares(g.blocked()));
+            let squares = self.grid.as_ref().map_or(distance::SquareField::Empty, |g| distance::SquareField::new(g.blocked()));
             Arc::new(ClearanceField::new(self.size(), self.resolution, squares, self.shape_distances()))
         }))
     }

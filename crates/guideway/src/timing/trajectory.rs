@@ -1,7 +1,10 @@
 //! A motion in time: pieces along a path with constant jerk, and turns in place.
 
+use super::scurve::advance;
+use super::turn::turned;
 use crate::path::Path;
 use crate::query::Limits;
+use crate::world::shape::wrap;
 use serde::{Deserialize, Serialize};
 
 /// One piece of a trajectory.
@@ -23,7 +26,8 @@ pub enum Piece {
         /// s.
         duration: f64,
     },
-    /// In place at arc length `s`, by `turn` rad from heading `from` rad, with a rest-to-rest profile that is symmetric in time.
+    /// In place at arc length `s`, by `turn` rad from heading `from` rad: the turn rate is a trapezoid in time with the turn acceleration of the
+    /// limits ([`super::DEFAULT_TURN_ACCELERATION`] if they name none).
     Turn {
         /// Signed angle, rad.
         turn: f64,
@@ -76,6 +80,47 @@ impl Trajectory {
         match self.pieces.last() {
             Some(Piece::Along { t, duration, .. } | Piece::Turn { t, duration, .. }) => t + duration,
             None => 0.0,
+        }
+    }
+
+    /// State at time `t` (s), clamped to the motion. At a change of pieces, that of the later one.
+    pub fn at(&self, t: f64) -> State {
+        let t = t.clamp(0.0, self.duration());
+        let i = self.pieces.partition_point(|p| p.start() <= t).saturating_sub(1);
+        match self.pieces.get(i) {
+            Some(Piece::Along { t: t0, s, speed, acceleration, jerk, duration }) => {
+                let (s, speed, acceleration) = advance((*s, *speed, *acceleration), *jerk, (t - t0).min(*duration));
+                let place = self.path.planar(s);
+                let pose = [place.point[0], place.point[1], place.heading];
+                State { t, s, pose, speed, acceleration, jerk: *jerk, curvature: place.curvature, turn_rate: place.curvature * speed }
+            }
+            Some(Piece::Turn { turn, t: t0, duration, s, from }) => {
+                let (angle, turn_rate) = turned(*turn, *duration, t - t0, &self.limits);
+                self.resting(t, *s, Some(wrap(from + angle)), turn_rate)
+            }
+            None => self.resting(t, 0.0, None, 0.0),
+        }
+    }
+
+    fn resting(&self, t: f64, s: f64, yaw: Option<f64>, turn_rate: f64) -> State {
+        let place = self.path.planar(s);
+        let pose = [place.point[0], place.point[1], yaw.unwrap_or(place.heading)];
+        State { t, s, pose, speed: 0.0, acceleration: 0.0, jerk: 0.0, curvature: place.curvature, turn_rate }
+    }
+}
+
+impl Piece {
+    /// Start time, s.
+    pub fn start(&self) -> f64 {
+        match self {
+            Self::Along { t, .. } | Self::Turn { t, .. } => *t,
+        }
+    }
+
+    /// s.
+    pub fn duration(&self) -> f64 {
+        match self {
+            Self::Along { duration, .. } | Self::Turn { duration, .. } => *duration,
         }
     }
 }

@@ -97,6 +97,11 @@ impl Profile {
         Self { start, phases, count }
     }
 
+    /// Speed (m/s) and acceleration (m/s2) at its start.
+    pub fn start(&self) -> (f64, f64) {
+        self.start
+    }
+
     /// Its phases in order; in the guaranteed domain exactly seven, some of them empty.
     pub fn phases(&self) -> &[Phase] {
         &self.phases[..self.count]

@@ -267,6 +267,8 @@ def test_distance_to_movers() -> None:
     boxes = np.array(profile.separation(run(movers=[mover], robot={"footprint": {"box": [0.4, 0.4]}})))
     assert boxes[0, 1] == pytest.approx(1.3, abs=1e-4)
     assert boxes[20, 1] == 0
+    rounded = {"shape": {"points": [[0.0, 0.0]], "radius": 0.3}, "states": [[0, 2.0, 5.0, 1], [9, 2.0, 5.0, 1]]}
+    assert np.array(profile.separation(run(movers=[rounded], robot={"footprint": {"disc": 0.2}})))[:, 1].min() == pytest.approx(1.5, abs=1e-4)
     assert profile.separation(run(movers=[])) is None
 
 

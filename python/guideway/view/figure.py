@@ -74,7 +74,7 @@ def figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, path: st
         draw_result(axes, result, label, COLOURS[index % len(COLOURS)], alone=len(results) == 1)
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", xlabel="x in m", ylabel="y in m")
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, frameon=False, fontsize=8)
+        sheet.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return save(sheet, Path(path))
 
 

@@ -92,15 +92,16 @@ def footprint_radius(footprint: Any) -> float:
     if "disc" in footprint:
         return float(footprint["disc"] or 0.0)
     corners = outline(footprint)
-    return float(np.hypot(corners[:, 0], corners[:, 1]).max()) if len(corners) else 0.0
+    reach = float(np.hypot(corners[:, 0], corners[:, 1]).max()) if len(corners) else 0.0
+    return reach + float(footprint.get("radius") or 0.0)
 
 
 def outline(shape: Mapping[str, Any]) -> Array:
-    """Corners of a box or polygon in its own frame, m; empty for a disc."""
+    """Corners of a box, a polygon or an outline (``points`` grown by ``radius``) in its own frame, m; empty for a disc."""
     if "box" in shape:
         length, width = (float(v) / 2 for v in shape["box"])
         return np.array([[-length, -width], [length, -width], [length, width], [-length, width]])
-    return points(shape.get("polygon"))
+    return points(shape.get("polygon") or shape.get("points"))
 
 
 def sample_field(world: Scenery, at: Array) -> Array | None:
@@ -161,7 +162,7 @@ def placed(shape: Mapping[str, Any], pose: Array) -> tuple[Array, float]:
     corners = outline(shape)
     cos, sin = np.cos(pose[:, 2])[:, None], np.sin(pose[:, 2])[:, None]
     x, y = corners[:, 0][None], corners[:, 1][None]
-    return np.stack([pose[:, :1] + cos * x - sin * y, pose[:, 1:2] + sin * x + cos * y], axis=-1), 0.0
+    return np.stack([pose[:, :1] + cos * x - sin * y, pose[:, 1:2] + sin * x + cos * y], axis=-1), float(shape.get("radius") or 0.0)
 
 
 def separation(run: Mapping[str, Any]) -> list[list[float]] | None:

@@ -38,7 +38,7 @@ def page(results: Sequence[Mapping[str, Any]], worlds: Worlds = None, title: str
     """The text of the report; see :func:`report`."""
     data = bundle(results, worlds)
     data["title"] = title or default_title(results)
-    folder = files(__package__).joinpath("page")
+    folder = files("guideway.view").joinpath("page")
     parts = {
         "title": html.escape(str(data["title"])).replace("://", ":&#47;&#47;"),
         "style": folder.joinpath("report.css").read_text("utf-8"),

@@ -18,6 +18,7 @@ const STYLE = {
   raw: { dash: [5, 4], width: 1.4 },
   optimum: { dash: [1.2, 4.2], width: 2.4 },
   final: { dash: [], width: 2.6 },
+  planned: { dash: [7, 5], width: 1.6 },
   driven: { dash: [], width: 2.2 },
 };
 
@@ -73,6 +74,23 @@ function traceFootprint(pen, view, shape, pose) {
   pen.closePath();
 }
 
+/** Fills and strokes a footprint; one with a rounded border gets it as a wide stroke. */
+function paintFootprint(pen, view, shape, pose, colour, strength) {
+  pen.beginPath();
+  traceFootprint(pen, view, shape, pose);
+  pen.fillStyle = pen.strokeStyle = colour;
+  pen.lineJoin = "round";
+  pen.globalAlpha = 0.36 * strength;
+  pen.fill();
+  if (cornersOf(shape) && number(shape.radius) > 0) {
+    pen.lineWidth = 2 * shape.radius * view.scale;
+    pen.stroke();
+  }
+  pen.globalAlpha = strength;
+  pen.lineWidth = 1.8;
+  pen.stroke();
+}
+
 /** The floor that the footprint covers on its way, in one even tone. */
 function drawSwept(pen, view, entry, colour) {
   const radius = radiusOf(entry.footprint);
@@ -99,7 +117,7 @@ function drawSwept(pen, view, entry, colour) {
   }
   pen.save();
   pen.setTransform(1, 0, 0, 1, 0, 0);
-  pen.globalAlpha = entry.active ? 0.15 : 0.08;
+  pen.globalAlpha = 0.15;
   pen.drawImage(sheet, 0, 0);
   pen.restore();
 }
@@ -109,19 +127,8 @@ function drawRobot(pen, view, entry, state, colour, halo) {
   pen.save();
   const [x, y] = [view.x(state.x), view.y(state.y)];
   const size = radiusOf(entry.footprint) * view.scale;
-  pen.lineWidth = 2;
-  pen.lineJoin = "round";
   const strength = entry.active ? 1 : 0.55;
-  if (size > 2) {
-    pen.beginPath();
-    traceFootprint(pen, view, entry.footprint, state);
-    pen.globalAlpha = 0.4 * strength;
-    pen.fillStyle = colour;
-    pen.fill();
-    pen.globalAlpha = strength;
-    pen.strokeStyle = colour;
-    pen.stroke();
-  }
+  if (size > 2) paintFootprint(pen, view, entry.footprint, state, colour, strength);
   pen.globalAlpha = strength;
   const nose = clamp(size * 0.7, 7, 16);
   pen.translate(x, y);
@@ -148,15 +155,7 @@ function drawMovers(pen, view, movers, t, colour) {
     const state = mover.at(t);
     if (!state) continue;
     drawTrail(pen, view, mover, t, colour);
-    pen.beginPath();
-    traceFootprint(pen, view, mover.shape, state);
-    pen.globalAlpha = 0.32;
-    pen.fillStyle = colour;
-    pen.fill();
-    pen.globalAlpha = 1;
-    pen.lineWidth = 1.8;
-    pen.strokeStyle = colour;
-    pen.stroke();
+    paintFootprint(pen, view, mover.shape, state, colour, 1);
     if (radiusOf(mover.shape) * view.scale < 4) {
       pen.beginPath();
       pen.arc(view.x(state.x), view.y(state.y), 4, 0, 2 * Math.PI);

@@ -38,7 +38,7 @@ function makeMap(canvas, scene, events) {
       sheet.width = Math.round(box.width * view.ratio);
       sheet.height = Math.round(box.height * view.ratio);
     }
-    if (first) view.fit(scene().home);
+    if (first) view.fit(scene().home, events.covered());
     stale = true;
     draw();
   };
@@ -110,7 +110,7 @@ function makeMap(canvas, scene, events) {
     ink.fillStyle = world ? colour.void : colour.far;
     ink.fillRect(0, 0, view.width, view.height);
     if (world) drawWorld(ink, world, layers);
-    if (layers.swept) for (const entry of now.entries) drawSwept(ink, view, entry, entryColour(entry.index));
+    if (layers.swept) for (const entry of now.entries.filter((e) => e.active)) drawSwept(ink, view, entry, entryColour(entry.index));
     const ordered = [...now.entries].sort((a, b) => a.active - b.active);
     for (const entry of ordered) drawPaths(ink, entry, layers);
     drawAxes(ink, view, colour, layers.grid);
@@ -146,6 +146,7 @@ function makeMap(canvas, scene, events) {
     if (entry.leading && layers.raw) drawPath(ink, view, entry.raw, STYLE.raw, colour.soft, colour.halo);
     if (entry.kind === "plan" && layers.final) drawPath(ink, view, entry.rows, { ...STYLE.final, width: entry.active ? 2.8 : 2 }, own, colour.halo);
     if (entry.leading && layers.optimum) drawPath(ink, view, entry.optimum, STYLE.optimum, colour.ink, null);
+    if (entry.kind === "run" && entry.leading && layers.final) drawPath(ink, view, entry.planned, STYLE.planned, colour.soft, colour.halo);
     if (entry.kind === "run" && layers.driven) drawPath(ink, view, entry.rows, STYLE.driven, own, colour.halo);
     if (entry.active && layers.points) drawPoints(ink, entry.rows, own);
   };
@@ -173,10 +174,12 @@ function makeView() {
   view.y = (y) => view.height / 2 - (y - view.cy) * view.scale;
   view.worldX = (px) => view.cx + (px - view.width / 2) / view.scale;
   view.worldY = (py) => view.cy - (py - view.height / 2) / view.scale;
-  view.fit = ([x0, y0, x1, y1]) => {
-    const [left, right, upper, lower] = [44, 24, 24, 40];
+  view.fit = ([x0, y0, x1, y1], covered = 0) => {
+    const [right, upper, lower] = [24, 24, 40];
     const [w, h] = [Math.max(x1 - x0, 1e-3), Math.max(y1 - y0, 1e-3)];
-    view.scale = Math.min((view.width - left - right) / w, (view.height - upper - lower) / h);
+    const scaleWith = (margin) => Math.min((view.width - margin - right) / w, (view.height - upper - lower) / h);
+    const left = covered > 44 && scaleWith(covered) > 0.8 * scaleWith(44) ? covered : 44;
+    view.scale = Math.max(1e-6, scaleWith(left));
     view.cx = (x0 + x1) / 2 - (left - right) / 2 / view.scale;
     view.cy = (y0 + y1) / 2 - (lower - upper) / 2 / view.scale;
     view.least = Math.min(view.least || Infinity, view.scale / 4);

@@ -168,19 +168,19 @@ function makeMover(mover) {
   return { shape: record(mover.shape), rows, at };
 }
 
-/** Corners of a box or polygon footprint, null for a disc. */
+/** Corners of a box or polygon footprint (also as an outline { points, radius }), null for a disc. */
 function cornersOf(shape) {
   if (Array.isArray(shape.box)) {
     const [l, w] = [number(shape.box[0]) / 2, number(shape.box[1]) / 2];
     return [[-l, -w], [l, -w], [l, w], [-l, w]];
   }
-  const polygon = Array.isArray(shape.polygon) ? shape.polygon : list(record(shape.polygon).points);
-  return polygon.length ? pointsOf(polygon) : null;
+  const polygon = [shape.polygon, record(shape.polygon).points, shape.points].find(Array.isArray);
+  return polygon && polygon.length > 1 ? pointsOf(polygon) : null;
 }
 
 const radiusOf = (shape) => {
   const corners = cornersOf(shape);
-  return corners ? Math.max(0, ...corners.map((p) => Math.hypot(p[0], p[1]))) : number(shape.disc);
+  return (corners ? Math.max(0, ...corners.map((p) => Math.hypot(p[0], p[1]))) : number(shape.disc)) + number(shape.radius);
 };
 
 /** Curves of a plan over time, each { x, y } as arrays; jumps are two samples at one time. */

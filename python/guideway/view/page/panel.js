@@ -28,7 +28,7 @@ function show(value) {
   if (!finite(value)) return "\u2013";
   const size = Math.abs(value);
   const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 || size === 0 ? 2 : size >= 0.001 ? 4 : null;
-  const text = digits === null ? value.toExponential(1) : Number.isInteger(value) && size >= 10 ? value.toFixed(0) : value.toFixed(digits);
+  const text = digits === null ? value.toExponential(1) : value.toFixed(digits);
   return text.replace("-", "\u2212");
 }
 
@@ -67,7 +67,7 @@ function tableOf(values, known, skip = []) {
   const units = kept.some(([key, value]) => finite(value) && known[key] && known[key][1]);
   const rows = kept.map(([key, value]) => {
     const [label, unit] = known[key] || [capital(words(key)), ""];
-    if (finite(value)) return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, known === METRICS && !Number.isInteger(value) ? exact(value) : plain(value)), units ? make("td", { class: "u" }, unit) : null);
+    if (finite(value)) return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, [METRICS, RUN_NAMES, STEP_NAMES].includes(known) && !Number.isInteger(value) ? exact(value) : plain(value)), units ? make("td", { class: "u" }, unit) : null);
     const text = /^[0-9a-f]{40,}$/.test(value) ? `${value.slice(0, 12)}\u2026` : value === null ? (known === LIMITS ? "no limit" : "\u2013") : plain(value);
     return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "w", colspan: units ? 2 : 1, title: typeof value === "string" ? value : null }, text));
   });
@@ -76,12 +76,19 @@ function tableOf(values, known, skip = []) {
 
 const block = (title, ...children) => (children.some(Boolean) ? make("section", {}, make("h2", {}, title), ...children) : null);
 
+/** How much longer than the shortest path of all the final path of a plan is, as a part of it; null where that is not known. */
+function gapOf(data) {
+  const [length, best, given] = [record(data.metrics).length, record(data.reference).any_angle_optimum, record(data.reference).any_angle_gap];
+  return finite(length) && finite(best) && best > 0 ? length / best - 1 : finite(given) ? given : null;
+}
+
 /** How far a result is from the best possible, in words. */
-function gapWords(reference) {
-  const { any_angle_gap: any, grid_gap: grid, proved } = record(reference);
+function gapWords(data) {
+  const { grid_gap: grid, proved } = record(data.reference);
+  const any = gapOf(data);
   const best = proved === false ? "best known bound (not proved to be reachable)" : "proved optimum";
   if (finite(any)) {
-    if (any < -1e-9) return `${percent(-any)} shorter than the reference: one of the two is wrong.`;
+    if (any < -1e-6) return `${percent(-any)} shorter than the reference: one of the two is wrong.`;
     return any < 5e-7 ? `Exactly as short as the ${best}.` : `${percent(any)} longer than the ${best}.`;
   }
   if (finite(grid)) return grid < 5e-7 ? "Exactly as short as the best path on the grid." : `${percent(grid)} longer than the best path on the grid.`;
@@ -94,7 +101,7 @@ function verdictOf(entry) {
   if (entry.kind === "run") return runVerdict(entry);
   const certificate = record(data.certificate);
   const [kind, head] = certificate.ok === true ? ["good", "Certified"] : certificate.ok === false ? ["bad", "Certificate failed"] : ["none", "Not certified"];
-  const sentences = [gapWords(data.reference)];
+  const sentences = [gapWords(data)];
   if (finite(record(data.metrics).min_clearance)) {
     const asked = number(record(data.query).clearance);
     sentences.push(`Keeps ${show(data.metrics.min_clearance)} m from every obstacle${asked > 0 ? `; ${show(asked)} m was asked for` : ""}.`);
@@ -105,9 +112,11 @@ function verdictOf(entry) {
 
 function runVerdict({ data, motion }) {
   const when = show(finite(data.time) ? data.time : motion.duration);
-  const heads = { arrived: ["good", `Arrived after ${when} s`], collision: ["bad", `Collided after ${when} s`], timeout: ["warn", `Out of time after ${when} s`], stuck: ["warn", `Stuck after ${when} s`] };
+  const heads = { arrived: ["good", `Arrived after ${when} s`], collision: ["bad", `Collided${record(data.collision).with ? ` with ${plain(data.collision.with)}` : ""} after ${when} s`], timeout: ["warn", `Out of time after ${when} s`], stuck: ["warn", `Stuck after ${when} s`] };
   const [kind, head] = heads[data.outcome] || ["none", data.outcome ? capital(plain(data.outcome)) : "Drive"];
   const sentences = [];
+  if (record(data.collision).unavoidable === true) sentences.push("A robot at rest would have been hit as well.");
+  if (data.cancelled === true) sentences.push("The drive was cancelled; this is what was driven until then.");
   if (finite(data.min_separation)) sentences.push(`${data.outcome === "collision" ? "Least" : "Never closer than"} ${show(data.min_separation)} m ${data.outcome === "collision" ? "distance to" : "to"} an obstacle.`);
   const counts = [[data.replans, "replan", "replans"], [data.emergency_stops, "emergency stop", "emergency stops"]];
   const said = counts.filter(([n]) => finite(n)).map(([n, one, more]) => `${n || "no"} ${n === 1 ? one : more}`);
@@ -125,7 +134,7 @@ function keyFigures({ kind, data, motion }) {
       keyFigure("Least distance", show(data.min_separation), "m"), keyFigure("Replans", finite(data.replans) ? String(data.replans) : "\u2013", ""),
     ];
   }
-  const gap = record(data.reference).any_angle_gap;
+  const gap = gapOf(data);
   return [
     keyFigure("Length", show(finite(metrics.length) ? metrics.length : motion.line.length), "m"), keyFigure("Duration", motion.timed ? show(motion.duration) : "\u2013", motion.timed ? "s" : ""),
     keyFigure("Least clearance", show(metrics.min_clearance), "m"), keyFigure("Over the optimum", finite(gap) ? percent(gap).replace(" %", "") : "\u2013", finite(gap) ? "%" : ""),
@@ -176,20 +185,26 @@ function sparkOf(history) {
   return make("div", {}, svg, make("p", { class: "small" }, `Best cost over the search: ${show(ys[0])} at ${show(xs[0])}, ${show(ys[ys.length - 1])} at ${show(x1)}.`));
 }
 
-function referenceTable(reference, length) {
-  const { any_angle_optimum: any, grid_optimum: grid, grid_path_length: own, any_angle_gap: anyGap, grid_gap: gridGap, proved } = record(reference);
+function referenceTable(data) {
+  const { any_angle_optimum: any, grid_optimum: grid, grid_path_length: own, any_angle_gap: anyGap, grid_gap: gridGap, proved } = record(data.reference);
+  const [length, raw] = [record(data.metrics).length, record(data.search).raw_length];
   if (!finite(any) && !finite(grid)) return null;
   const row = (label, value, unit) => make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, value), make("td", { class: "u" }, unit));
   return make("table", {}, make("tbody", {}, ...[
-    finite(length) ? row("This path", exact(length), "m") : null, finite(any) ? row("Shortest of all", exact(any), "m") : null, finite(anyGap) ? row("Longer by", percent(anyGap).replace(" %", ""), "%") : null,
-    finite(own) ? row("Raw path on the grid", exact(own), "m") : null, finite(grid) ? row("Shortest on the grid", exact(grid), "m") : null, finite(gridGap) ? row("Longer by", percent(gridGap).replace(" %", ""), "%") : null,
+    finite(any) ? row("Shortest of all", exact(any), "m") : null, finite(length) ? row("This path", exact(length), "m") : null, gapOf(data) !== null ? row("Longer by", percent(gapOf(data)).replace(" %", ""), "%") : null,
+    finite(raw) && finite(any) ? row("Planner's raw path", exact(raw), "m") : null, finite(anyGap) ? row("Longer by", percent(anyGap).replace(" %", ""), "%") : null,
+    finite(grid) ? row("Shortest on the grid", exact(grid), "m") : null, finite(own) ? row("Raw path on the grid", exact(own), "m") : null, finite(gridGap) ? row("Longer by", percent(gridGap).replace(" %", ""), "%") : null,
     typeof proved === "boolean" ? row("Optimum proved", proved ? "yes" : "no", "") : null,
   ].filter(Boolean)));
 }
 
-const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters"];
-const RUN_NAMES = { min_separation: ["Least distance to an obstacle", "m"], replans: ["Replans", ""], emergency_stops: ["Emergency stops", ""], energy: ["Energy", "J"], driven_length: ["Driven length", "m"] };
-const STEP_NAMES = { mean: ["Mean", "s"], p50: ["Half within", "s"], p95: ["95 % within", "s"], p99: ["99 % within", "s"], max: ["Longest", "s"] };
+const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters", "collision", "cancelled", "min_separation"];
+const RUN_NAMES = {
+  "separation static": ["Least distance to the building", "m"], "separation movers": ["Least distance to movers", "m"], "tracking tte": ["Off the path, root mean square", "m"], "tracking path_error": ["Off the path, mean", "m"],
+  "tracking worst": ["Off the path, at most", "m"], "tracking tpe": ["Distance to the goal at the end", "m"], "tracking length": ["Driven length", "m"], "tracking length_deviation": ["Driven length against plan", "m"], "tracking ts": ["Turning per length", "\u00b0/m"],
+  "tracking ssf": ["Speed steps", ""], "tracking asf": ["Acceleration steps", ""], "tracking stopped": ["Time at rest on the way", "s"], "energy ttec": ["Energy per length", "J/m"], "energy moec": ["Energy of the drive", "W h"],
+  min_separation: ["Least distance to an obstacle", "m"], replans: ["Replans", ""], emergency_stops: ["Emergency stops", ""], energy: ["Energy", "J"], driven_length: ["Driven length", "m"] };
+const STEP_NAMES = { mean: ["Mean", "ms"], p50: ["Half within", "ms"], p95: ["95 % within", "ms"], p99: ["99 % within", "ms"], max: ["Longest", "ms"] };
 
 const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
 
@@ -202,13 +217,13 @@ function fillDetails(host, entry, seek) {
   const blocks = [
     run ? block("Drive", tableOf(flat(Object.fromEntries(Object.entries(data).filter(([key]) => !RUN_TABLES.includes(key) && !(key in planner)))), RUN_NAMES)) : block("Metrics", tableOf(data.metrics, METRICS)),
     run ? block("Events", eventList(data.events, seek)) : block("Certificate", checksOf(record(data.certificate))),
-    run ? block("Time of one control step", tableOf(data.step_seconds, STEP_NAMES)) : block("Against the optimum", referenceTable(data.reference, record(data.metrics).length)),
+    run ? block("Time of one control step", tableOf(Object.fromEntries(Object.entries(record(data.step_seconds)).map(([key, value]) => [key, finite(value) ? 1000 * value : value])), STEP_NAMES)) : block("Against the optimum", referenceTable(data)),
     make("div", { class: "pair" }, ...[
       block(run ? "Controller" : "Planner", tableOf(planner, {})),
       block("Search", tableOf(search, SEARCH, ["history"]), sparkOf(search.history)),
       block("Limits", tableOf(record(data.trajectory).limits, LIMITS)),
       block("Robot", tableOf(record(data.robot), LIMITS)),
-      block("Asked", tableOf(data.query, { clearance: ["Clearance", "m"] })),
+      block("Task", tableOf(data.query, { clearance: ["Clearance", "m"] })),
       block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
     ].filter(Boolean)),
   ];
@@ -217,13 +232,13 @@ function fillDetails(host, entry, seek) {
 
 function eventList(events, seek) {
   const rows = list(events).map(record).slice(0, 500).map((event) => make("li", {}, make("button", { type: "button", onclick: () => seek(number(event.t)) },
-    make("span", { class: "when" }, `${show(event.t)} s`), make("span", {}, capital(words(event.kind || "event"))), make("span", { class: "why" }, event.reason ? plain(event.reason) : ""))));
+    make("span", { class: "when" }, `${number(event.t).toFixed(2)} s`), make("span", {}, capital(words(event.kind || "event"))), make("span", { class: "why" }, event.reason ? plain(event.reason) : ""))));
   return rows.length ? make("ul", { class: "events" }, ...rows) : null;
 }
 
 const COLUMNS = [
   ["Length", "m", (e) => (e.kind === "run" ? e.motion.line.length : record(e.data.metrics).length), show, -1],
-  ["Gap", "%", (e) => record(e.data.reference).any_angle_gap, (v) => percent(v).replace(" %", ""), -1],
+  ["Gap", "%", (e) => gapOf(e.data), (v) => percent(v).replace(" %", ""), -1],
   ["Time", "s", (e) => (e.kind === "run" && finite(e.data.time) ? e.data.time : e.motion.timed ? e.motion.duration : null), show, -1],
   ["Clear", "m", (e) => (e.kind === "run" ? e.data.min_separation : record(e.data.metrics).min_clearance), show, 1],
   ["Turning", "rad", (e) => record(e.data.metrics).total_turning, show, -1],
@@ -238,7 +253,7 @@ function fillCompare(host, entries, { active, visible, choose, toggle }) {
   const used = COLUMNS.filter(([, , read]) => entries.some((entry) => finite(read(entry))));
   const best = used.map(([, , read, , better]) => {
     const values = entries.filter((entry) => entry.kind === "plan").map(read).filter(finite);
-    return values.length > 1 ? (better < 0 ? Math.min(...values) : Math.max(...values)) : NaN;
+    return values.length > 1 && Math.min(...values) < Math.max(...values) ? (better < 0 ? Math.min(...values) : Math.max(...values)) : NaN;
   });
   const head = make("tr", {}, make("th", { scope: "col" }, ""), ...used.map(([name, unit]) => make("th", { scope: "col" }, name, make("small", {}, unit))));
   const rows = entries.map((entry, i) => {

@@ -61,8 +61,8 @@ function makePlots(host, link) {
     return `${strip.title} from ${show(low)} to ${show(high)} ${strip.unit}`;
   };
 
-  const xOf = (strip, t) => LEFT + (t / span.end) * (strip.area.clientWidth - LEFT - RIGHT);
-  const tOf = (strip, x) => clamp(((x - LEFT) / (strip.area.clientWidth - LEFT - RIGHT)) * span.end, 0, span.end);
+  const xOf = (strip, t) => LEFT + (t / span.end) * (strip.width - LEFT - RIGHT);
+  const tOf = (strip, x) => clamp(((x - LEFT) / (strip.width - LEFT - RIGHT)) * span.end, 0, span.end);
 
   const watch = (strip) => {
     let held = false;
@@ -84,6 +84,7 @@ function makePlots(host, link) {
   const paint = (strip) => {
     const [width, height] = [strip.area.clientWidth, strip.area.clientHeight];
     if (!width) return;
+    strip.width = width;
     const ratio = Math.max(1, window.devicePixelRatio || 1);
     strip.canvas.width = Math.round(width * ratio);
     strip.canvas.height = Math.round(height * ratio);
@@ -94,7 +95,7 @@ function makePlots(host, link) {
     const [low, high] = rangeOf(strip, span.end);
     const y = (v) => floor - ((v - low) / (high - low)) * (floor - 6);
     const x = (t) => xOf(strip, t);
-    strip.floor = floor;
+    strip.digits = clamp(2 - Math.floor(Math.log10(high - low)), 1, 4);
     paintFrame(pen, strip, { x, y, low, high, floor, width, colour });
     pen.save();
     pen.beginPath();
@@ -112,7 +113,7 @@ function makePlots(host, link) {
     pen.fillStyle = colour.faint;
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    const vertical = ticksOf(low, high, (floor - 6) / 19);
+    const vertical = ticksOf(low, high, (floor - 6) / 16);
     for (const v of vertical.ticks.filter((tick) => y(tick) > 4 && y(tick) <= floor + 0.5)) {
       pen.strokeStyle = v === 0 ? colour.line : colour.hair;
       pen.beginPath();
@@ -182,6 +183,7 @@ function makePlots(host, link) {
 
   let [time, ghostTime] = [0, null];
   const moveHands = (strip) => {
+    if (!strip.width) return;
     strip.hand.style.transform = `translateX(${xOf(strip, Math.min(time, span.end))}px)`;
     strip.ghost.hidden = ghostTime === null;
     if (ghostTime !== null) strip.ghost.style.transform = `translateX(${xOf(strip, Math.min(ghostTime, span.end))}px)`;
@@ -189,7 +191,7 @@ function makePlots(host, link) {
     const parts = strip.series.filter((series) => series.bold).map((series) => {
       const outside = !series.x.length || shown > series.x[series.x.length - 1] + 1e-6;
       const value = outside ? null : lookUp(series.x, series.y, shown);
-      const part = make("span", {}, value === null ? "\u2013" : `${show(value)} ${strip.unit}`);
+      const part = make("span", {}, value === null ? "\u2013" : `${value.toFixed(strip.digits).replace("-", "\u2212")} ${strip.unit}`);
       part.style.color = series.colour();
       return part;
     });

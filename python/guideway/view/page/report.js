@@ -23,7 +23,7 @@ function makeEntry(source, index) {
     world: finite(source.world) ? list(bundle.worlds)[source.world] : null,
     rows: run ? motion.rows.map((row) => [row[1], row[2]]) : pointsOf(data.polyline),
     raw: pointsOf(list(data.raw_path).length ? data.raw_path : data.grid_path), optimum: pointsOf(record(data.reference).path),
-    movers: list(data.movers).map(record).map(makeMover), stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
+    planned: run ? pointsOf(record(data.plan).polyline) : [], movers: list(data.movers).map(record).map(makeMover), stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
   };
 }
 
@@ -66,6 +66,12 @@ const scene = () => ({
   entries: shownEntries().map((entry) => Object.assign(entry, { active: entry.index === state.active, leading: entry === leadingPlan() })),
   world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, home: homeBox(),
 });
+
+/** Width of the map that the open list of layers hides on its left, pixels. */
+function covered() {
+  const legend = byId("legend");
+  return legend.open ? legend.offsetLeft + legend.offsetWidth + 12 : 0;
+}
 
 const say = (text) => {
   byId("nomap").textContent = text;
@@ -117,6 +123,7 @@ const map = makeMap(byId("canvas"), scene, {
     if (sample) seek(sample.t);
   },
   trouble: say,
+  covered,
 });
 const plots = makePlots(byId("plots"), { hover: (t) => setGhost(t), seek: (t) => seek(t) });
 
@@ -164,7 +171,7 @@ function play(on) {
   requestAnimationFrame(tick);
 }
 
-const EVENT_KINDS = [["collision", /collision|collide/], ["replan", /replan/], ["stop", /stop|brake/], ["turn", /turn/]];
+const EVENT_KINDS = [["collision", /collision|collide/], ["replan", /replan/], ["stop", /stop|brake|no-plan/], ["go", /^go$/], ["turn", /turn/]];
 
 function fillMarks() {
   const end = duration();
@@ -222,7 +229,7 @@ function plotSpecs() {
 function hasLayer(id) {
   const some = (test) => entries.some(test);
   const tests = {
-    shade: () => some((e) => e.world && e.world.shade), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => e.kind === "plan" && e.rows.length > 1),
+    shade: () => some((e) => e.world && e.world.shade), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
     points: () => some((e) => e.rows.length > 1), swept: () => some((e) => radiusOf(e.footprint) > 0), driven: () => some((e) => e.kind === "run"), robot: () => some((e) => e.rows.length),
     movers: () => some((e) => e.movers.length), stops: () => some((e) => e.stops.length), grid: () => true,
   };
@@ -237,7 +244,7 @@ function swatch(id) {
   const planColour = () => (current() && current().kind === "plan" ? own : `var(--entry-${(entries.find((e) => e.kind === "plan") || { index: 0 }).index % 6})`);
   const shapes = {
     shade: () => box({ fill: "var(--near)", stroke: "var(--line)" }), grid: () => drawing("path", { d: "M8 0V12M18 0V12M2 3H24M2 9H24", stroke: "var(--faint)", "stroke-width": 1, fill: "none" }),
-    raw: () => line(STYLE.raw, "var(--soft)"), optimum: () => line(STYLE.optimum, "var(--ink)"), final: () => line(STYLE.final, planColour()), driven: () => line(STYLE.driven, runColour()),
+    raw: () => line(STYLE.raw, "var(--soft)"), optimum: () => line(STYLE.optimum, "var(--ink)"), final: () => (entries.some((e) => e.kind === "plan") ? line(STYLE.final, planColour()) : line(STYLE.planned, "var(--soft)")), driven: () => line(STYLE.driven, runColour()),
     points: () => drawing("path", { d: "M2 4h4v4H2zM11 4h4v4H11zM20 4h4v4H20z", fill: planColour() }), swept: () => box({ fill: own, "fill-opacity": 0.2 }),
     robot: () => drawing("path", { d: "M21 6L7 12L10 6L7 0Z", fill: own }), movers: () => box({ fill: "var(--mover)", "fill-opacity": 0.3, stroke: "var(--mover)", "stroke-width": 1.6 }),
     stops: () => drawing("path", { d: "M13 12C12 9 8 8 8 4.6A5 4.6 0 0 1 18 4.6C18 8 14 9 13 12Z", fill: "var(--ink)" }),
@@ -246,14 +253,15 @@ function swatch(id) {
 }
 
 function fillLayers() {
-  const straight = entries.every((e) => e.kind !== "plan" || record(e.data.path).degree === 1);
+  const plans = entries.filter((e) => e.kind === "plan");
+  const straight = plans.length > 0 && plans.every((e) => record(e.data.path).degree === 1);
   byId("layers").replaceChildren(...LAYERS.filter((layer) => hasLayer(layer.id)).flatMap((layer) => {
     const box = make("input", { type: "checkbox", onchange: (event) => {
       state.layers[layer.id] = event.target.checked;
       map.ask(true);
     } });
     box.checked = state.layers[layer.id];
-    const name = layer.id === "final" && straight ? "Final path" : layer.name;
+    const name = layer.id !== "final" ? layer.name : !plans.length ? "Planned path" : straight ? "Final path" : layer.name;
     const row = make("label", {}, box, swatch(layer.id), name);
     const reach = current() && current().world && current().world.shade ? current().world.shade.reach : null;
     return layer.id === "shade" && finite(reach) ? [row, make("div", { class: "ramp" }, "0", make("i", {}), `${show(reach)} m`)] : [row];
@@ -304,7 +312,10 @@ function watchTheme() {
     chosen = document.documentElement.dataset.theme === "dark" ? "light" : "dark";
     apply();
   });
-  addEventListener("beforeprint", () => setTheme("light"));
+  addEventListener("beforeprint", () => {
+    document.documentElement.dataset.theme = "light";
+    plots.repaint();
+  });
   addEventListener("afterprint", apply);
   apply();
 }
@@ -324,7 +335,7 @@ function watchKeys() {
 }
 
 const fitTo = (box) => {
-  map.view.fit(box);
+  map.view.fit(box, covered());
   map.ask(true);
 };
 const zoomBy = (factor) => {

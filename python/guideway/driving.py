@@ -84,7 +84,9 @@ def mover_states(mover: dict[str, Any]) -> dict[str, Any]:
     """A mover over time: its shape and rows (t, x, y, visible 0 or 1)."""
     since = mover["since"]
     rows = [[t, x, y, int(since is not None and t >= since)] for t, x, y in mover["track"]]
-    return {"shape": mover["outline"], "since": since, "states": rows}
+    outline = mover["outline"]
+    shape = {"polygon": outline["points"]} if len(outline["points"]) > 1 else {"disc": outline["radius"]}
+    return {"shape": shape, "since": since, "states": rows}
 
 
 def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _core.Trajectory, Limits]:

@@ -11,24 +11,100 @@ Units are SI, angles radians, frames as REP-103 (x forward or east, y left or no
 
 from __future__ import annotations
 
-from guideway._core import Path, Query, Solution, World, plan, planners
-from guideway.errors import GuidewayError
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from guideway import errors
+from guideway._core import (
+    Path,
+    Query,
+    Refined,
+    Solution,
+    Trajectory,
+    World,
+    __version__,
+    ceiling,
+    certify,
+    controllers,
+    distance_transform,
+    measure,
+    plan,
+    planners,
+    polyline,
+    reference,
+    refine,
+    time,
+)
+from guideway.errors import (
+    BadFile,
+    BadParameter,
+    Cancelled,
+    CertificateFailed,
+    GoalBlocked,
+    GuidewayError,
+    Infeasible,
+    NoPath,
+    NoResult,
+    OutsideMap,
+    PlanningError,
+    StartBlocked,
+)
 from guideway.records import Box, Budget, Disc, Limits, Polygon, progress
 
-__version__ = "0.1.0"
+if TYPE_CHECKING:
+    from guideway import io, view
+    from guideway.driving import drive
 
 __all__ = [
+    "BadFile",
+    "BadParameter",
     "Box",
     "Budget",
+    "Cancelled",
+    "CertificateFailed",
     "Disc",
+    "GoalBlocked",
     "GuidewayError",
+    "Infeasible",
     "Limits",
+    "NoPath",
+    "NoResult",
+    "OutsideMap",
     "Path",
+    "PlanningError",
     "Polygon",
     "Query",
+    "Refined",
     "Solution",
+    "StartBlocked",
+    "Trajectory",
     "World",
+    "__version__",
+    "ceiling",
+    "certify",
+    "controllers",
+    "distance_transform",
+    "drive",
+    "errors",
+    "io",
+    "measure",
     "plan",
     "planners",
+    "polyline",
     "progress",
+    "reference",
+    "refine",
+    "time",
+    "view",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Loads the heavier parts when they are first used: a quick start matters on the command line."""
+    if name in ("io", "view"):
+        return importlib.import_module(f"guideway.{name}")
+    if name == "drive":
+        from guideway.driving import drive
+
+        return drive
+    raise AttributeError(f"module 'guideway' has no attribute {name!r}")

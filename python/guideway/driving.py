@@ -27,6 +27,29 @@ class Drive:
     observe: jobs.Observer | None = None
 
 
+def drive(
+    query: _core.Query,
+    trajectory: _core.Trajectory,
+    controller: str = Drive.controller,
+    *,
+    planner: str = "visibility",
+    set: dict[str, Any] | None = None,
+    seed: int = 0,
+    arrival: float = 0.1,
+    stop_at_goal: bool = True,
+    time_limit: float | None = None,
+    observe: jobs.Observer | None = None,
+) -> dict[str, Any]:
+    """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
+
+    ``planner`` plans anew when the way is blocked, ``set`` holds parameters of the controller, ``arrival`` (m) is how near the goal counts as arrived,
+    ``time_limit`` is in s (default three times the planned duration and a minute). Source of the classic controller: Fox, Burgard and Thrun 1997.
+    """
+    limits = Limits(**trajectory.limits)
+    asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit, observe)
+    return run(asked)
+
+
 def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
     """Drives and returns the record. On Ctrl-C the record is that of the run so far, with ``cancelled`` true."""
     raw = _core.drive(

@@ -34,6 +34,7 @@ class Job:
     max_curvature: float | None = None
     limits: Limits = field(default_factory=Limits)
     timing: bool = True
+    threads: int = 1
     observe: Observer | None = None
 
     def query(self) -> _core.Query:
@@ -68,7 +69,7 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
     """
     query = job.query()
     try:
-        solution = _core.plan(query, job.planner, seed=job.seed, budget=job.budget, set=job.set or None, observe=job.observe)
+        solution = _core.plan(query, job.planner, seed=job.seed, budget=job.budget, set=job.set or None, observe=job.observe, threads=job.threads)
     except KeyboardInterrupt as interrupt:
         found: _core.Solution | None = getattr(interrupt, "solution", None)
         interrupt.outcome = None if found is None else finish(job, query, found, folder, quick=True)  # type: ignore[attr-defined]

@@ -70,6 +70,7 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--iterations", type=int, metavar="N", help="stop after N iterations of the method")
     group.add_argument("--evaluations", type=int, metavar="N", help="stop after N candidates costed")
     group.add_argument("--seconds", type=float, metavar="S", help="stop after S seconds; results then depend on the machine")
+    group.add_argument("--threads", type=int, default=1, metavar="N", help="worker threads; they never change a result (default 1)")
 
 
 def count(name: str, value: int | None) -> None:

@@ -84,7 +84,7 @@ def handle(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> None:
     for name in ("speed", "acceleration", "deceleration", "jerk", "max_curvature"):
         options.positive("--" + name.replace("_", "-"), getattr(arguments, name))
-    for name in ("seed", "iterations", "evaluations", "limit"):
+    for name in ("seed", "iterations", "evaluations", "limit", "threads"):
         options.count("--" + name, getattr(arguments, name))
     for first, second in (("start", "start_cell"), ("goal", "goal_cell")):
         if getattr(arguments, first) and getattr(arguments, second):
@@ -118,6 +118,7 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     job.limits = _limits(job.limits, arguments)
     given = {name: value for name in ("iterations", "evaluations", "seconds") if (value := getattr(arguments, name)) is not None}
     job.budget = replace(job.budget, **given)
+    job.threads = arguments.threads
     job.timing = not arguments.no_timing
     job.observe = records.progress if sys.stderr.isatty() else None
     if job.refine not in ("none", "simplify", "smooth"):

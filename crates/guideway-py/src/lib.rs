@@ -5,6 +5,7 @@ mod errors;
 mod path;
 mod plan;
 mod query;
+mod refine;
 mod world;
 
 use pyo3::prelude::*;
@@ -12,11 +13,17 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "the name that Python expects")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_export]
     use crate::path::Path;
     #[pymodule_export]
     use crate::plan::{Solution, plan, planners};
     #[pymodule_export]
     use crate::query::Query;
     #[pymodule_export]
-    use crate::world::World;
+    use crate::refine::{Refined, measure, polyline, refine};
+    #[pymodule_export]
+    use crate::world::{World, distance_transform};
 }

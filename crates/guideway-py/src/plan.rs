@@ -48,6 +48,11 @@ impl Solution {
         let center = |c: &[u32; 2]| world.cell_to_map([f64::from(c[0]) + 0.5, f64::from(c[1]) + 0.5]);
         self.inner.cells.as_ref().map(|cells| points(py, &cells.iter().map(center).collect::<Vec<_>>())).transpose()
     }
+    /// The motion, for planners that plan path and speed at once, else None.
+    #[getter]
+    fn trajectory(&self) -> Option<crate::motion::Trajectory> {
+        self.inner.trajectory.clone().map(|inner| crate::motion::Trajectory { inner })
+    }
     /// Cost in the planner's own model (its length in m unless its page says otherwise).
     #[getter]
     fn cost(&self) -> f64 {
@@ -172,11 +177,14 @@ pub fn planners(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let rows: Vec<_> = core::REGISTRY
         .iter()
         .map(|entry| {
-            let defaults = (entry.defaults)();
-            let parameters: Vec<_> =
-                entry.parameters.iter().map(|p| serde_json::json!({"name": p.name, "about": p.about, "default": defaults.get(p.name)})).collect();
+            let parameters = parameter_rows(entry.parameters, &(entry.defaults)());
             serde_json::json!({"name": entry.name, "about": entry.about, "source": entry.source, "lattice": entry.lattice, "parameters": parameters})
         })
         .collect();
     to_python(py, &rows)
+}
+
+/// Parameters with their defaults as records.
+pub fn parameter_rows(parameters: &[core::Parameter], defaults: &serde_json::Value) -> Vec<serde_json::Value> {
+    parameters.iter().map(|p| serde_json::json!({"name": p.name, "about": p.about, "default": defaults.get(p.name)})).collect()
 }

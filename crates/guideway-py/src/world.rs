@@ -40,8 +40,8 @@ impl World {
         let shapes = shapes.into_iter().map(checked).collect::<Result<Vec<_>, _>>().or_py(py)?;
         let movers: Vec<Mover> = movers.map_or(Ok(Vec::new()), |m| from_python("movers", m))?;
         let inner = if let Some(blocked) = blocked {
-            let bits = bits(blocked)?;
-            let unknown = unknown.map(|u| self::bits(u)).transpose()?;
+            let bits = bits(blocked, Rows::TopFirst)?;
+            let unknown = unknown.map(|u| self::bits(u, Rows::TopFirst)).transpose()?;
             if unknown.as_ref().is_some_and(|u| u.width() != bits.width() || u.height() != bits.height()) {
                 return Err(to_py(py, &PlanError::bad("unknown", "its shape", "the shape of blocked")));
             }
@@ -59,6 +59,22 @@ impl World {
     #[pyo3(signature = (path, **options))]
     fn load<'py>(py: Python<'py>, path: &Bound<'py, PyAny>, options: Option<&Bound<'py, pyo3::types::PyDict>>) -> PyResult<Bound<'py, PyAny>> {
         py.import("guideway.worlds")?.getattr("load")?.call((path,), options)
+    }
+
+    /// The same static world under other moving obstacles (dictionaries as in `movers`).
+    fn with_movers(&self, movers: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let movers: Vec<Mover> = from_python("movers", movers)?;
+        Ok(Self { inner: Arc::new(self.inner.overlaid(movers)), source: self.source.clone(), sha256: self.sha256.clone() })
+    }
+
+    /// Exact distance from every cell's centre to the nearest static obstacle, m, shape (height, width), row 0 on top; infinite without obstacles.
+    fn clearance_field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let inner = &self.inner;
+        let field = py.detach(|| inner.clearance_field());
+        let (w, h) = (field.width() as usize, field.height() as usize);
+        let values = field.values();
+        let flipped: Vec<f64> = values.chunks_exact(w).rev().flatten().copied().collect();
+        PyArray1::from_vec(py, flipped).reshape([h, w])
     }
 
     /// Cells across (of the map, or of the lattice that grid planners see).
@@ -167,18 +183,39 @@ fn checked(shape: Shape) -> Result<Shape, PlanError> {
     }
 }
 
-/// Packs a (height, width) array, row 0 on top, into bits with row 0 at the bottom.
-fn bits(object: &Bound<'_, PyAny>) -> PyResult<Bits> {
+/// Distance from each cell's centre to the centre of the nearest blocked cell, in cells; infinite if none is blocked.
+///
+/// `blocked` has shape (height, width); the result is float64 of the same shape. Exact (Felzenszwalb and Huttenlocher 2012).
+#[pyfunction]
+pub fn distance_transform<'py>(py: Python<'py>, blocked: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let bits = bits(blocked, Rows::AsGiven)?;
+    let (w, h) = (bits.width() as usize, bits.height() as usize);
+    let values = py.detach(|| world::distances(&bits)).or_py(py)?;
+    PyArray1::from_vec(py, values).reshape([h, w])
+}
+
+
+/// Where row 0 of an array goes.
+#[derive(Clone, Copy, PartialEq)]
+enum Rows {
+    /// To row 0.
+    AsGiven,
+    /// To the top row: bits count from the bottom.
+    TopFirst,
+}
+
+/// Packs a (height, width) array into bits.
+fn bits(object: &Bound<'_, PyAny>, rows: Rows) -> PyResult<Bits> {
     let py = object.py();
     if let Ok(array) = object.extract::<PyReadonlyArray2<'_, bool>>() {
-        return pack(py, &array);
+        return pack(py, &array, rows);
     }
     let bad = |_| to_py(py, &PlanError::bad("blocked", "the value given", "a boolean array of shape (height, width), true where blocked"));
     let array = py.import("numpy")?.call_method1("asarray", (object, "bool")).map_err(bad)?;
-    pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(|e| bad(e.into()))?)
+    pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(|e| bad(e.into()))?, rows)
 }
 
-fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>) -> PyResult<Bits> {
+fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>, rows: Rows) -> PyResult<Bits> {
     let (h, w) = (array.shape()[0], array.shape()[1]);
     if w == 0 || h == 0 || (w as u64).saturating_mul(h as u64) > world::MAX_CELLS {
         return Err(to_py(py, &PlanError::bad("blocked", format!("shape ({h}, {w})"), format!("1 to {} cells", world::MAX_CELLS))));
@@ -186,7 +223,8 @@ fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>) -> PyResult<Bits> {
     let mut bits = Bits::new(w as u32, h as u32);
     let view = array.as_array();
     for (i, row) in view.rows().into_iter().enumerate() {
-        let words = bits.row_mut((h - 1 - i) as u32);
+        let y = if rows == Rows::TopFirst { h - 1 - i } else { i };
+        let words = bits.row_mut(y as u32);
         if let Some(cells) = row.as_slice() {
             for (word, chunk) in words.iter_mut().zip(cells.chunks(64)) {
                 *word = chunk.iter().rev().fold(0, |acc, &b| acc << 1 | u64::from(b));

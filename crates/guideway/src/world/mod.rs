@@ -92,6 +92,21 @@ impl World {
         self
     }
 
+    /// The same static world under other movers; what was computed from it is shared.
+    #[must_use]
+    pub fn overlaid(&self, movers: Vec<Mover>) -> Self {
+        let lattices = self.lattices.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        Self {
+            grid: self.grid.clone(),
+            shapes: self.shapes.clone(),
+            bounds: self.bounds,
+            resolution: self.resolution,
+            movers,
+            lattices: Mutex::new(lattices),
+            field: self.field.clone(),
+        }
+    }
+
     /// The occupancy grid, if there is one.
     pub fn grid(&self) -> Option<&Grid> {
         self.grid.as_ref()

@@ -1,0 +1,138 @@
+//! `Trajectory`, timing and driving.
+
+use crate::convert::{from_python, table, to_python};
+use crate::errors::OrPy;
+use crate::path::Path;
+use crate::plan::watched;
+use crate::query::Query;
+use guideway::context::{Budget, Context};
+use guideway::drive as core;
+use guideway::error::PlanError;
+use guideway::query::Limits;
+use guideway::refine::{Refiner, Smooth};
+use guideway::timing::{self, Piece, TimingOptions};
+use guideway::{plan, query};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// A motion in time: pieces along a path with constant jerk, and turns in place.
+#[pyclass(frozen, module = "guideway")]
+pub struct Trajectory {
+    pub inner: timing::Trajectory,
+}
+
+#[pymethods]
+impl Trajectory {
+    /// From a path, limits and pieces as in `plan.json`.
+    #[new]
+    fn new(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, pieces: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let (limits, pieces): (Limits, Vec<Piece>) = (from_python("limits", limits)?, from_python("pieces", pieces)?);
+        let inner = timing::Trajectory { path: path.inner.clone(), pieces, limits: limits.validated().or_py(py)? };
+        Ok(Self { inner })
+    }
+    /// The path it follows.
+    #[getter]
+    fn path(&self) -> Path {
+        Path { inner: self.inner.path.clone() }
+    }
+    /// Total time, s.
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.inner.duration()
+    }
+    /// In time order, as in `plan.json`.
+    #[getter]
+    fn pieces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.inner.pieces)
+    }
+    /// Limits it was made for.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.inner.limits)
+    }
+    /// State at time t (s): t, s, pose, speed, acceleration, jerk, curvature, turn_rate.
+    fn at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.inner.at(t))
+    }
+    /// Rows (t, x, y, yaw, speed, acceleration, jerk, curvature) at `rate` Hz and at the end, shape (n, 8).
+    #[pyo3(signature = (rate=100.0))]
+    fn sample<'py>(&self, py: Python<'py>, rate: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = self.inner.sample(rate).or_py(py)?;
+        table(py, rows.as_flattened(), 8)
+    }
+    fn __repr__(&self) -> String {
+        format!("Trajectory({:.4} s, {} pieces)", self.inner.duration(), self.inner.pieces.len())
+    }
+}
+
+/// Puts a path into time under limits: jerk-limited, as fast as curvature, lateral acceleration and turn rate allow, never stopping where it need not.
+#[pyfunction]
+#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None))]
+pub fn time(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, start_yaw: Option<f64>, goal_yaw: Option<f64>) -> PyResult<Trajectory> {
+    let limits: Limits = from_python("limits", limits)?;
+    let options = TimingOptions { start_yaw, goal_yaw, ..TimingOptions::default() };
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| timing::time(&path.inner, &limits, &options, ctx))?;
+    raised.map_or(Ok(()), Err)?;
+    result.map(|inner| Trajectory { inner }).or_py(py)
+}
+
+/// Speed ceiling along a path, rows (arc length in m, m/s), shape (n, 2).
+#[pyfunction]
+pub fn ceiling<'py>(py: Python<'py>, path: &Path, limits: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let limits: Limits = from_python("limits", limits)?;
+    let rows = timing::ceiling(&path.inner, &limits.validated().or_py(py)?);
+    table(py, &rows.into_iter().flat_map(|(s, v)| [s, v]).collect::<Vec<_>>(), 2)
+}
+
+/// Every controller: name, about, source, parameters (name, about, default).
+#[pyfunction]
+pub fn controllers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let rows: Vec<_> = core::CONTROLLERS
+        .iter()
+        .map(|entry| {
+            let parameters = crate::plan::parameter_rows(entry.parameters, &(entry.defaults)());
+            serde_json::json!({"name": entry.name, "about": entry.about, "source": entry.source, "parameters": parameters})
+        })
+        .collect();
+    to_python(py, &rows)
+}
+
+/// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`.
+#[pyfunction]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, observe=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
+pub fn drive<'py>(
+    py: Python<'py>,
+    query: &Query,
+    trajectory: &Trajectory,
+    controller: &str,
+    planner: &str,
+    seed: u64,
+    set: Option<&Bound<'py, PyDict>>,
+    arrival: f64,
+    stop_at_goal: bool,
+    time_limit: Option<f64>,
+    observe: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
+    let again = plan::planner(planner, serde_json::Value::Null).or_py(py)?;
+    let limits = trajectory.inner.limits;
+    let replanner = |query: &query::Query, ctx: &mut Context<'_>| -> Result<timing::Trajectory, PlanError> {
+        let path = again.plan(query, ctx)?.path;
+        let path = Smooth::default().refine(&path, query, ctx)?.path;
+        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..TimingOptions::default() };
+        timing::time(&path, &limits, &options, ctx)
+    };
+    let mut job = core::Job::new(&query.inner, &trajectory.inner).or_py(py)?;
+    (job.arrival, job.stop_at_goal, job.time_limit) = (arrival, stop_at_goal, time_limit);
+    job.replanner = Some(&replanner);
+    let setup = core::Setup { world: query.inner.world.clone(), robot: job.robot.clone(), clearance: query.inner.clearance };
+    let mut controller = core::controller(controller, parameters, &setup).or_py(py)?;
+    let (result, raised) = watched(py, seed, Budget::default(), 1, observe, |ctx| core::execute(&job, controller.as_mut(), ctx))?;
+    let record = to_python(py, &result.or_py(py)?)?;
+    match raised {
+        Some(error) if !error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) => Err(error),
+        _ => Ok(record),
+    }
+}

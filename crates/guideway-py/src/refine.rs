@@ -1,0 +1,66 @@
+//! Refining, measuring and certifying paths.
+
+use crate::convert::{points, to_python};
+use crate::errors::{OrPy, to_py};
+use crate::path::Path;
+use crate::plan::watched;
+use crate::query::Query;
+use guideway::context::Budget;
+use guideway::error::PlanError;
+use guideway::path as paths;
+use guideway::refine::{self as core, Refiner, Simplify, Smooth};
+use numpy::PyArray2;
+use pyo3::prelude::*;
+
+/// A refined path and what could not be met.
+#[pyclass(frozen, module = "guideway")]
+pub struct Refined {
+    inner: core::Refined,
+}
+
+#[pymethods]
+impl Refined {
+    /// The new path.
+    #[getter]
+    fn path(&self) -> Path {
+        Path { inner: self.inner.path.clone() }
+    }
+    /// What could not be met, in words.
+    #[getter]
+    fn unmet(&self) -> Vec<String> {
+        self.inner.unmet.clone()
+    }
+    fn __repr__(&self) -> String {
+        format!("Refined({:.6} m, {} not met)", self.inner.path.length(), self.inner.unmet.len())
+    }
+}
+
+/// Refines a path for a query: `none`, `simplify` (line of sight) or `smooth` (cubic B-spline, proved free). `max_curvature` in 1/m.
+#[pyfunction]
+#[pyo3(signature = (path, query, method="smooth", *, max_curvature=None))]
+pub fn refine(py: Python<'_>, path: &Path, query: &Query, method: &str, max_curvature: Option<f64>) -> PyResult<Refined> {
+    let refiner: Box<dyn Refiner> = match method {
+        "none" => return Ok(Refined { inner: core::Refined { path: path.inner.clone(), unmet: Vec::new() } }),
+        "simplify" => Box::new(Simplify::default()),
+        "smooth" => Box::new(Smooth { max_curvature, ..Smooth::default() }),
+        other => return Err(to_py(py, &PlanError::bad("refine", other, "one of none, simplify, smooth"))),
+    };
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| refiner.refine(&path.inner, &query.inner, ctx))?;
+    raised.map_or(Ok(()), Err)?;
+    result.map(|inner| Refined { inner }).or_py(py)
+}
+
+/// Points along a path, shape (n, 2), m, so dense that straight segments between them keep the query's clearance.
+#[pyfunction]
+pub fn polyline<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows = py.detach(|| core::polyline(&path.inner, &query.inner));
+    points(py, &rows)
+}
+
+/// Length (m), turns, total_turning (rad), min_clearance (m or None), max_curvature (1/m, None at corners), smoothness, energy.
+#[pyfunction]
+pub fn measure<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bound<'py, PyAny>> {
+    let radius = query.inner.footprint.circumscribed();
+    let metrics = py.detach(|| paths::measure(&path.inner, &query.inner.world, radius));
+    to_python(py, &metrics)
+}

@@ -2,6 +2,7 @@
 
 mod convert;
 mod errors;
+mod motion;
 mod path;
 mod plan;
 mod query;
@@ -16,6 +17,8 @@ mod _core {
     #[expect(non_upper_case_globals, reason = "the name that Python expects")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
+    #[pymodule_export]
+    use crate::motion::{Trajectory, ceiling, controllers, drive, time};
     #[pymodule_export]
     use crate::path::Path;
     #[pymodule_export]

@@ -1,7 +1,7 @@
 //! `Trajectory`, timing and driving.
 
 use crate::convert::{from_python, table, to_python};
-use crate::errors::OrPy;
+use crate::errors::{OrPy, to_py};
 use crate::path::Path;
 use crate::plan::watched;
 use crate::query::Query;
@@ -58,7 +58,11 @@ impl Trajectory {
     /// Rows (t, x, y, yaw, speed, acceleration, jerk, curvature) at `rate` Hz and at the end, shape (n, 8).
     #[pyo3(signature = (rate=100.0))]
     fn sample<'py>(&self, py: Python<'py>, rate: f64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = self.inner.sample(rate).or_py(py)?;
+        if !(rate.is_finite() && rate > 0.0 && rate * self.inner.duration() <= 1e7) {
+            return Err(to_py(py, &PlanError::bad("rate", rate, "a positive rate in Hz that gives at most 1e7 rows")));
+        }
+        let row = |q: timing::State| [q.t, q.pose[0], q.pose[1], q.pose[2], q.speed, q.acceleration, q.jerk, q.curvature];
+        let rows: Vec<_> = self.inner.samples(rate).into_iter().map(row).collect();
         table(py, rows.as_flattened(), 8)
     }
     fn __repr__(&self) -> String {
@@ -71,8 +75,10 @@ impl Trajectory {
 #[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None))]
 pub fn time(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, start_yaw: Option<f64>, goal_yaw: Option<f64>) -> PyResult<Trajectory> {
     let limits: Limits = from_python("limits", limits)?;
-    let options = TimingOptions { start_yaw, goal_yaw, ..TimingOptions::default() };
-    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| timing::time(&path.inner, &limits, &options, ctx))?;
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| {
+        let options = TimingOptions { start_yaw, goal_yaw, ..TimingOptions::default() };
+        timing::time(&path.inner, &limits, &options, ctx)
+    })?;
     raised.map_or(Ok(()), Err)?;
     result.map(|inner| Trajectory { inner }).or_py(py)
 }

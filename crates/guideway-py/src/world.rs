@@ -194,7 +194,6 @@ pub fn distance_transform<'py>(py: Python<'py>, blocked: &Bound<'py, PyAny>) -> 
     PyArray1::from_vec(py, values).reshape([h, w])
 }
 
-
 /// Where row 0 of an array goes.
 #[derive(Clone, Copy, PartialEq)]
 enum Rows {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Plans and times a new motion for a changed query, whose world holds what is in the way; it starts at the robot's pose, at rest.
-pub type Replanner<'a> = dyn Fn(&Query, &mut Context) -> Result<Trajectory, PlanError> + 'a;
+pub type Replanner<'a> = dyn Fn(&Query, &mut Context) -> Result<Trajectory, PlanError> + Sync + 'a;
 
 /// Sub-steps per control step at which the true pose is read; between them the judge follows the arc.
 const SUBSTEPS: u32 = 4;

@@ -116,6 +116,8 @@ IMAGE_CASES: list[Case] = [
     ("m.yaml", image(b"P2\n2 2\n255\n1 2 3 x"), ("m.pgm", "whole numbers")),
     ("m.yaml", image(b"P2\n2 2\n255\n1 2 3 256"), ("m.pgm", "value 256")),
     ("m.yaml", image(b"P2\n2 2\n255\n1 2 3 -1"), ("m.pgm", "whole numbers")),
+    ("m.yaml", image(b"P2\n2 2\n255\n1 2 3 4294967297"), ("m.pgm", "at most 9 digits")),
+    ("m.yaml", image(b"P2\n2 2\n255\n1 2      3"), ("m.pgm", "there are 3 pixels", "4 pixels")),
     ("m.yaml", image(b"P2\n16000 16000\n255\n1 2 3"), ("m.pgm", "cut off")),
     ("m.yaml", image(b"P6\n16000 16000\n65535\n"), ("m.pgm", "promises")),
     ("m.yaml", image(b"P4\n2 2\n...."), ("m.pgm", "known kind", "PNG")),

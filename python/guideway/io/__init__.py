@@ -79,12 +79,13 @@ def load(path: str | os.PathLike[str], *, unknown: Unknown | None = None, thresh
     ``unknown`` ("blocked", "free") says what unknown cells of map_server maps do to the robot, ``thresholds`` ("inclusive", "strict") picks the
     reading of their pixels (see :mod:`guideway.io.map_server`). Raises :class:`guideway.errors.BadFile`.
     """
-    from guideway.io.collections import is_collection, load_collection
-    from guideway.io.scene import load_scene
+    if _extension(os.fspath(path).rpartition("#")[0] or path) == ".json" or _extension(path) == ".json":
+        from guideway.io.collections import load_collection
 
-    if is_collection(path):
         return load_collection(path)
     if _extension(path) == ".toml":
+        from guideway.io.scene import load_scene
+
         return load_scene(path, unknown=unknown, thresholds=thresholds)
     return load_map(path, unknown=unknown or "blocked", thresholds=thresholds or "inclusive")
 

@@ -36,11 +36,6 @@ def split(path: str | os.PathLike[str]) -> tuple[Path, str | None]:
     return Path(text), None
 
 
-def is_collection(path: str | os.PathLike[str]) -> bool:
-    """Does the name say that this is a collection?"""
-    return str(split(path)[0]).lower().removesuffix(".gz").endswith(".json")
-
-
 def load_collection(path: str | os.PathLike[str]) -> Scene:
     """Loads world N of ``FILE#N``; raises :class:`BadFile` naming file, world and field."""
     file, number = split(path)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 KINDS = "PGM or PPM (P2, P3, P5, P6), PNG, BMP"
 _HEAD = 1 << 16  # bytes in which a header with its comments must end
 _PNM = re.compile(rb"P[2356](?:\s|#[^\r\n]*[\r\n])+(\d+)(?:\s|#[^\r\n]*[\r\n])+(\d+)(?:\s|#[^\r\n]*[\r\n])+(\d+)(?:#[^\r\n]*)?\s")
+_KIND = bytes(1 if chr(c).isdigit() and c < 128 else 0 if c in b" \t\r\n\v\f" else 2 for c in range(256))  # digit 1, space 0, other 2
 _DEFLATE = 1032  # largest factor by which deflate can shrink data
 
 
@@ -87,7 +88,14 @@ def _pnm(blob: Blob, head: bytes) -> Pixels:
     values = _plain(blob, match.end(), count, top) if head[1:2] in b"23" else _binary(blob, match.end(), count, top)
     if top not in (255, 65535) and int(values.max()) > top:
         raise BadFile(where, f"a pixel has the value {int(values.max())}", f"0 to {top}, the maximum in the header", "Write the image again")
-    return Pixels(values.reshape(shape), top)
+    return Pixels(_grey_if_equal(values.reshape(shape)), top)
+
+
+def _grey_if_equal(values: Array) -> Array:
+    """Three equal channels are one: every way to weigh them gives the same grey."""
+    if values.ndim == 3 and (values[..., 0] == values[..., 1]).all() and (values[..., 0] == values[..., 2]).all():
+        return values[..., 0].copy()
+    return values
 
 
 def _binary(blob: Blob, start: int, count: int, top: int) -> Array:
@@ -117,10 +125,13 @@ def _plain(blob: Blob, start: int, count: int, top: int) -> Array:
         body = re.sub(rb"#[^\r\n]*", b"", body)
     if len(body) < 2 * count - 1:
         raise BadFile(where, f"the image is cut off: {len(body)} bytes of text", f"{count} whole numbers as its header says", "Copy the file again")
-    words = body.split(None, count)[:count]
-    if len(words) < count or not all(word.isdigit() and len(word) < 10 for word in words):
-        raise BadFile(where, "the pixels are cut off or are not whole numbers", f"{count} numbers from 0 to {top}", "Write the image again")
-    values = np.array(words, np.uint32)
+    kinds = body.translate(_KIND)
+    if b"\2" in kinds or b"\1" * 10 in kinds:
+        raise BadFile(where, "the pixels are not whole numbers of at most 9 digits", f"{count} numbers from 0 to {top}", "Write the image again")
+    found = kinds.count(b"\0\1") + kinds.startswith(b"\1")
+    if found != count:
+        raise BadFile(where, f"there are {found} pixels", f"{count} pixels, as the header says", "Copy the file again")
+    values = np.fromstring(body, np.int32, sep=" ")  # any white space counts as a separator
     if int(values.max()) > top:
         raise BadFile(where, f"a pixel has the value {int(values.max())}", f"0 to {top}, the maximum in the header", "Write the image again")
     return values.astype(np.uint8 if top < 256 else np.uint16)
@@ -200,5 +211,5 @@ def _pillow(where: str, read: Callable[[], Image]) -> Pixels:
     if wanted == "LA":
         return Pixels(array[..., 0], 255, array[..., 1])
     if wanted == "RGBA":
-        return Pixels(array[..., :3], 255, array[..., 3])
-    return Pixels(array, 255)
+        return Pixels(_grey_if_equal(array[..., :3]), 255, array[..., 3])
+    return Pixels(_grey_if_equal(array), 255)

@@ -180,7 +180,7 @@ def _inclusive(pixels: Pixels, header: Header) -> NDArray[np.int8]:
         table[p <= low] = _FREE
     values = _look_up(_grey8(pixels), table.astype(np.int8))
     if pixels.alpha is not None and header.mode != "raw":
-        values[pixels.alpha < pixels.top] = _UNKNOWN
+        values = np.where(pixels.alpha < pixels.top, np.int8(_UNKNOWN), values)
     return values
 
 
@@ -193,8 +193,11 @@ def _grey8(pixels: Pixels) -> NDArray[np.uint8]:
         return values.astype(np.uint8, copy=False)
     if values.ndim == 2:
         return ((values.astype(np.uint32) * 510 + top) // (2 * top)).astype(np.uint8)
-    weighted = sum(values[..., k].astype(np.uint64) * w for k, w in enumerate((306, 601, 117)))
-    return ((np.asarray(weighted) * 510 + 1024 * top) // (2048 * top)).astype(np.uint8)
+    grey = np.empty(values.shape[:2], np.uint8)
+    for i in range(0, len(values), 64):  # bands of rows: the wide integers stay small in memory
+        weighted = values[i : i + 64] @ np.array([306, 601, 117], np.uint64)
+        grey[i : i + 64] = (weighted * 510 + 1024 * top) // (2048 * top)
+    return grey
 
 
 def _strict(pixels: Pixels, header: Header) -> NDArray[np.int8]:
@@ -215,7 +218,7 @@ def _strict(pixels: Pixels, header: Header) -> NDArray[np.int8]:
     table[p > header.occupied] = _OCCUPIED
     values = _look_up(levels, table.astype(np.int8))
     if header.mode == "scale" and pixels.alpha is not None:
-        values[(pixels.alpha == 0) & (values != _FREE) & (values != _OCCUPIED)] = _UNKNOWN
+        values = np.where((pixels.alpha == 0) & (values != _FREE) & (values != _OCCUPIED), np.int8(_UNKNOWN), values)
     return values
 
 
@@ -240,7 +243,6 @@ def _look_up(levels: NDArray[np.uint8] | NDArray[np.uint32], table: NDArray[np.i
     import numpy as np
 
     if levels.dtype == np.uint8 and len(table) == 256:
-        # bytes.translate takes 1 ns a cell and no index array
-        mapped = bytearray(levels.tobytes()).translate(table.tobytes())
-        return np.frombuffer(mapped, np.int8).reshape(levels.shape)
+        # bytes.translate takes 1 ns a cell and no index array; the result is read-only
+        return np.frombuffer(levels.tobytes().translate(table.tobytes()), np.int8).reshape(levels.shape)
     return table[levels]

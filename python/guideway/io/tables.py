@@ -31,7 +31,7 @@ class Table:
     def at(self, key: str = "") -> str:
         """Where a field is, for messages."""
         table = f"{self.where}, {self.path}" if self.path else self.where
-        return f"{table}, field {show(key)[1:-1] if not key.isidentifier() else key}" if key else table
+        return f"{table}, field {key if key.isidentifier() and len(key) < 60 else show(key)[1:-1]}" if key else table
 
     def bad(self, key: str, allowed: str, value: object = None) -> BadFile:
         """The complaint about a field."""

@@ -6,6 +6,7 @@
 //! World --Query--> Path --Limits--> Trajectory --Plant--> Run
 //! ```
 
+pub mod certify;
 pub mod context;
 pub mod drive;
 pub mod error;

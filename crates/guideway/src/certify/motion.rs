@@ -32,7 +32,7 @@ pub struct Asked {
 /// `acceleration`, `deceleration`, `jerk`, `turn rate`, `lateral acceleration`, `turn acceleration` (in place). `at` is the time, s.
 pub fn motion(trajectory: &Trajectory, asked: &Asked) -> Vec<Check> {
     let mut inspector = Inspector::new(&trajectory.path, &trajectory.limits, trajectory.duration());
-    let mut last = inspector.rest(0.0, asked.start_speed, asked.start_yaw);
+    let mut last = Instant { t: 0.0, s: 0.0, v: asked.start_speed, a: 0.0, yaw: asked.start_yaw };
     let mut clock = 0.0;
     for piece in &trajectory.pieces {
         let (start, duration) = match piece {
@@ -100,10 +100,6 @@ impl<'a> Inspector<'a> {
             lateral: Check::below("lateral acceleration", limits.lateral_acceleration),
             turning: Check::below("turn acceleration", limits.turn_acceleration),
         }
-    }
-
-    fn rest(&self, s: f64, v: f64, yaw: Option<f64>) -> Instant {
-        Instant { t: 0.0, s, v, a: 0.0, yaw }
     }
 
     /// Heading (rad) and curvature (1/m) from the derivatives by arc length.
@@ -228,6 +224,8 @@ mod tests {
     use crate::context::Context;
     use crate::timing::{TimingOptions, time};
 
+    type Fault = (&'static str, fn(&mut Trajectory));
+
     fn bent() -> Path {
         let control = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0]].concat();
         Path::new(3, 2, vec![0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0, 1.0], control).unwrap()
@@ -247,7 +245,6 @@ mod tests {
         let asked = Asked { start_yaw: Some(1.0), goal_yaw: Some(-1.0), ..Asked::default() };
         let good = time(&bent(), &limits(), &options, &mut Context::new(1)).unwrap();
         assert_eq!(failed(&good, &asked), Vec::<&str>::new(), "{:#?}", motion(&good, &asked));
-        type Fault = (&'static str, fn(&mut Trajectory));
         let faults: [Fault; 8] = [
             ("turn rate", |t| t.limits.turn_rate = Some(0.3)),
             ("lateral acceleration", |t| t.limits.lateral_acceleration = Some(0.1)),

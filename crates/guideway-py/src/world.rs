@@ -214,6 +214,14 @@ fn bits(object: &Bound<'_, PyAny>, rows: Rows) -> PyResult<Bits> {
     pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(|e| bad(e.into()))?, rows)
 }
 
+/// Up to eight cells as the bits of a byte: one multiplication moves bit 0 of byte `i` to bit `56 + i`.
+#[inline]
+fn eight(cells: &[bool]) -> u64 {
+    let mut bytes = [0; 8];
+    bytes.iter_mut().zip(cells).for_each(|(byte, &b)| *byte = u8::from(b));
+    u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
+}
+
 fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>, rows: Rows) -> PyResult<Bits> {
     let (h, w) = (array.shape()[0], array.shape()[1]);
     if w == 0 || h == 0 || (w as u64).saturating_mul(h as u64) > world::MAX_CELLS {
@@ -226,7 +234,7 @@ fn pack(py: Python<'_>, array: &PyReadonlyArray2<'_, bool>, rows: Rows) -> PyRes
         let words = bits.row_mut(y as u32);
         if let Some(cells) = row.as_slice() {
             for (word, chunk) in words.iter_mut().zip(cells.chunks(64)) {
-                *word = chunk.iter().rev().fold(0, |acc, &b| acc << 1 | u64::from(b));
+                *word = chunk.chunks(8).rev().fold(0, |acc, cells| acc << 8 | eight(cells));
             }
         } else {
             for (x, &b) in row.iter().enumerate() {

@@ -37,7 +37,8 @@ const fn table(corners: Corners) -> [u8; 256] {
 #[inline]
 pub(super) fn neighbours(rows: &crate::world::Padded, at: usize) -> u8 {
     let pitch = rows.pitch();
-    let [below, here, above] = [at - pitch - 1, at - 1, at + pitch - 1].map(|b| rows.ahead(b) as u8 & 7);
+    let look = |b: usize| rows.ahead(b) as u8 & 7;
+    let (below, here, above) = (look(at - pitch - 1), look(at - 1), look(at + pitch - 1));
     here >> 2
         | (above >> 2) << 1
         | (above >> 1 & 1) << 2

@@ -1,5 +1,6 @@
 //! The 8-connected lattice of cell centres that grid planners search.
 
+mod build;
 mod padded;
 mod pool;
 
@@ -26,14 +27,13 @@ pub enum Corners {
     Squeeze,
 }
 
-/// Cells whose centre a disc of the given radius may occupy, and the cell corners that a diagonal step may pass.
-///
-/// Between two free centres a straight step stays clear by itself; a diagonal step is nearest to an obstacle at its ends or at the
-/// cell corner it crosses, so one bit per corner makes the lattice exact for a grid of square obstacles.
+/// Cells whose centre a disc of the given radius may occupy, and the cell corners that a diagonal step may pass: together exactly the safe steps of a
+/// grid of square obstacles, and only safe ones among shapes (proof in `lattice/build.rs`).
 #[derive(Debug)]
 pub struct Lattice {
     free: Bits,
     corner_free: Option<Bits>,
+    implied: bool,
     resolution: f64,
     radius: f64,
     place: Place,
@@ -50,46 +50,9 @@ struct Place {
 }
 
 impl Lattice {
-    pub(super) fn build(world: &World, radius: f64) -> Self {
-        if let Some(grid) = world.grid()
-            && radius == 0.0
-            && world.shapes().is_empty()
-        {
-            let mut free = Bits::new(grid.width(), grid.height());
-            let tail = grid.width() % 64;
-            for y in 0..grid.height() {
-                let row = free.row_mut(y);
-                for (w, b) in row.iter_mut().zip(grid.blocked().row(y)) {
-                    *w = !b;
-                }
-                if tail != 0
-                    && let Some(last) = row.last_mut()
-                {
-                    *last &= (1 << tail) - 1;
-                }
-            }
-            return Self::new(world, radius, free, None);
-        }
-        let resolution = world.resolution();
-        let (w, h) = if let Some(grid) = world.grid() {
-            (grid.width(), grid.height())
-        } else {
-            let [x0, y0, x1, y1] = world.bounds();
-            (((x1 - x0) / resolution).ceil() as u32, ((y1 - y0) / resolution).ceil() as u32)
-        };
-        let mut lattice = Self::new(world, radius, Bits::new(w, h), None);
-        for y in 0..h {
-            for x in 0..w {
-                let ok = world.clearance(lattice.center([x, y])) >= radius;
-                lattice.free.set(x, y, ok);
-            }
-        }
-        lattice
-    }
-
-    fn new(world: &World, radius: f64, free: Bits, corner_free: Option<Bits>) -> Self {
+    fn new(world: &World, radius: f64, free: Bits, corner_free: Option<Bits>, implied: bool) -> Self {
         let (resolution, place) = (world.resolution(), place(world));
-        Self { free, corner_free, resolution, radius, place, rows: OnceLock::new(), columns: OnceLock::new(), pool: Pool::default() }
+        Self { free, corner_free, implied, resolution, radius, place, rows: OnceLock::new(), columns: OnceLock::new(), pool: Pool::default() }
     }
 
     /// Blocked cells row by row inside a blocked frame; built at first use.
@@ -103,6 +66,10 @@ impl Lattice {
     /// Corners that a diagonal step may pass; bit `(x, y)` is the lower-left corner of cell `(x, y)`. `None`: every one.
     pub fn corner_free(&self) -> Option<&Bits> {
         self.corner_free.as_ref()
+    }
+    /// Do the free cells alone tell which steps are allowed under this corner rule? Jump point search needs that.
+    pub fn plain(&self, corners: Corners) -> bool {
+        self.corner_free.is_none() || (self.implied && corners == Corners::Clear)
     }
     /// Working memory of searches on this lattice.
     pub fn pool(&self) -> &Pool {

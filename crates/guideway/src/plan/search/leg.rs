@@ -24,7 +24,7 @@ pub enum Engine {
 impl Engine {
     /// The engine that really runs. Jump points need the step rule to follow from free cells alone.
     fn on(self, lattice: &Lattice, corners: Corners) -> Self {
-        if self == Self::JumpPoint && corners != Corners::Clear && lattice.corner_free().is_some() { Self::AStar } else { self }
+        if self == Self::JumpPoint && !lattice.plain(corners) { Self::AStar } else { self }
     }
 
     fn name(self) -> &'static str {

@@ -46,7 +46,11 @@ fn certify(lattice: &Lattice, ends: [Cell; 2], corners: Corners, found: &(Steps,
 
 /// All three engines agree on every rule.
 fn agree(world: &World, ends: [Cell; 2]) {
-    let lattice = world.lattice(0.0);
+    agree_for(world, 0.0, ends);
+}
+
+fn agree_for(world: &World, radius: f64, ends: [Cell; 2]) {
+    let lattice = world.lattice(radius);
     if !ends.iter().all(|c| lattice.free().at(c[0], c[1])) {
         return;
     }
@@ -70,6 +74,18 @@ fn engines_agree_on_thousands_of_small_maps() {
         let mut cell = || [rng.random_range(0..w), rng.random_range(0..h)];
         let ends = [cell(), cell()];
         agree(&world, ends);
+    }
+}
+
+#[test]
+fn engines_agree_for_robots_with_a_size() {
+    let mut rng = ChaCha8Rng::seed_from_u64(15);
+    for round in 0..1500u32 {
+        let (w, h) = (rng.random_range(5..25), rng.random_range(5..25));
+        let world = random(w, h, f64::from(round % 6) * 0.02, &mut rng);
+        let mut cell = || [rng.random_range(0..w), rng.random_range(0..h)];
+        let ends = [cell(), cell()];
+        agree_for(&world, f64::from(1 + round % 8) * 0.25, ends);
     }
 }
 
@@ -152,11 +168,11 @@ fn costs_are_convergents_of_the_root_of_two() {
 
 #[test]
 fn long_lanes_do_not_overflow() {
-    let world = World::from_grid(Grid::new(Bits::new(60_000, 3), None, 1.0, [0.0; 3]).unwrap());
+    let world = World::from_grid(Grid::new(Bits::new(30_000, 3), None, 1.0, [0.0; 3]).unwrap());
     let lattice = world.lattice(0.0);
     let mut out = Vec::new();
-    let steps = shortest_cells(&lattice, [0, 0], [59_999, 2], Corners::Clear, &mut out).unwrap();
-    assert_eq!((steps.straight, steps.diagonal), (59_997, 2));
+    let steps = shortest_cells(&lattice, [0, 0], [29_999, 2], Corners::Clear, &mut out).unwrap();
+    assert_eq!((steps.straight, steps.diagonal), (29_997, 2));
     // A snake longer than 32-bit costs reach, on a map small enough to start with them.
     let mut bits = Bits::new(400, 401);
     for y in (1..400).step_by(2) {

@@ -228,6 +228,15 @@ def test_shading_grows_with_clearance() -> None:
     assert scenery.shading(np.zeros((4, 4)), 1.0) is None
 
 
+def test_a_scene_of_shapes_is_shaded() -> None:
+    entry = scenery.picture(Scene())
+    tones = decoded(entry["shade"])
+    assert (entry["walls"], tones.shape) == (None, (144, 240))
+    assert tones[72, 72] == 0  # the middle of the disc
+    assert tones[72, 156] == 0  # the middle of the box
+    assert tones[0, 239] == scenery.SHADES - 1
+
+
 def test_curvature_of_a_circle() -> None:
     k = 4 / 3 * np.tan(np.pi / 8)
     control = [[2, 0], [2, 2 * k], [2 * k, 2], [0, 2]]
@@ -295,14 +304,39 @@ def test_missing_matplotlib_is_explained(tmp_path: Path, monkeypatch: pytest.Mon
         view.figure([plan()], None, tmp_path / "x")
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium to draw with")
+def markup(address: str, folder: Path) -> tuple[str, str]:
+    """A page's markup after its script ran, and what the browser logged."""
+    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000", "--dump-dom"]
+    done = subprocess.run([*command, f"--user-data-dir={folder}/profile", address], capture_output=True, text=True, timeout=120, check=False)
+    return done.stdout, done.stderr
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Skips where no browser runs."""
+    if shutil.which("chromium") is None or "<html" not in markup("about:blank", tmp_path_factory.mktemp("browser"))[0]:
+        pytest.skip("no chromium that runs here")
+
+
+@pytest.mark.usefixtures("browser")
 def test_the_page_draws_itself(tmp_path: Path) -> None:
     target = view.report([plan(), run()], tmp_path / "r.html", worlds=room(), title="A <room>")
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run(
-        [*command, f"--user-data-dir={tmp_path}/profile", target.as_uri()], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert "CONSOLE" not in done.stderr
-    assert '<h1 id="title">A &lt;room&gt;</h1>' in done.stdout
-    assert "1.0 % longer than the proved optimum" in done.stdout
-    assert done.stdout.count('class="strip"') >= 4
+    text, log = markup(target.as_uri(), tmp_path)
+    assert "CONSOLE" not in log
+    assert '<h1 id="title">A &lt;room&gt;</h1>' in text
+    assert "1.0 % longer than the proved optimum" in text
+    assert text.count('class="strip"') >= 4
+
+
+@pytest.mark.usefixtures("browser")
+def test_the_page_evaluates_the_trajectory(tmp_path: Path) -> None:
+    pieces = [
+        {"t": 0.0, "duration": 2.0, "turn": 1.0, "s": 0.0, "from": 0.0},
+        {"t": 2.0, "s": 0.0, "speed": 0.5, "acceleration": 0.2, "jerk": -0.06, "duration": 4.0},
+    ]
+    target = view.report([plan(trajectory={"duration": 6.0, "limits": {}, "pieces": pieces})], tmp_path / "r.html")
+    text, _ = markup(f"{target.as_uri()}#t=5", tmp_path)
+    shown = [float(value.replace("\N{MINUS SIGN}", "-")) for value in re.findall(r"<output><span[^>]*>([^ <]+) ", text)]
+    assert shown[:3] == pytest.approx([0.5 + 0.2 * 3 - 0.06 * 9 / 2, 0.2 - 0.06 * 3, -0.06], abs=0.006)
+    assert re.search(r"<b>5.00</b> / 6.00 s", text)
+    assert text.count('class="turn"') == 1

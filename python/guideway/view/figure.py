@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from .profile import Array, footprint_radius, outline, points, robot_footprint
+from .geometry import Array, footprint_radius, outline, points
+from .profile import robot_footprint
 from .report import is_run, labels, write_whole
 from .scenery import BLOCKED, SHADE_SIDE, UNKNOWN, Scenery, field_cell, shading, shrink_field, shrink_walls
 
-COLOURS = ("#0072b2", "#00855f", "#a8528a", "#b87a00", "#3a8fc4", "#6b5fb5")
+COLOURS = ("#0072b2", "#007d59", "#a04a82", "#946200", "#7d4e2d", "#6b5fb5")
+"""As in the page: told apart with every common colour vision, dark enough for text on white."""
 WALL, UNSEEN, NEAR, FAR = (50, 61, 73), (221, 226, 232), (204, 216, 228), (255, 255, 255)
 MOST_SIDE = 4096
 """Longest side of a map image, pixels; larger maps are reduced without losing walls."""
@@ -144,6 +146,10 @@ def draw_result(axes: Any, result: Mapping[str, Any], label: str, colour: str, a
     if len(line):
         axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=1.6, label=label, zorder=4)
         draw_robot(axes, result, line, colour)
+    for i, mover in enumerate(m for m in result.get("movers") or [] if isinstance(m, Mapping)):
+        track = points(mover.get("states"), 4)
+        there = track[track[:, 3] > 0.5] if len(track) else track
+        axes.plot(there[:, 1], there[:, 2], color="#c8500a", linewidth=0.8, alpha=0.8, label=None if i else "moving obstacles", zorder=2)
     query = result.get("query")
     for key, marker in (("start", "o"), ("goal", "*")):
         stop = points([query[key]]) if isinstance(query, Mapping) and query.get(key) else points([])

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from .profile import plan_profile, run_profile
-from .scenery import Scenery, picture
+from .scenery import Scenery, Snapshot, picture
 
 SCRIPTS = ("motion.js", "raster.js", "layers.js", "map.js", "plots.js", "panel.js", "report.js")
 ROUNDED = {"polyline": 5, "raw_path": 5, "grid_path": 5, "driven": 5, "states": 4, "speed_ceiling": 5, "history": 6}
@@ -64,19 +64,20 @@ def bundle(results: Sequence[Mapping[str, Any]], worlds: Worlds = None) -> dict[
     """All data of the page: ``entries`` (one per result) and ``worlds`` (each once)."""
     each = per_result(results, worlds)
     pictures: list[dict[str, Any]] = []
-    known: dict[Any, int] = {}
+    known: dict[Any, tuple[int, Snapshot]] = {}
     entries: list[dict[str, Any]] = []
     for result, world in zip(results, each, strict=True):
         if world is not None and identity(world) not in known:
-            known[identity(world)] = len(pictures)
-            pictures.append(clean(picture(world)))
+            known[identity(world)] = (len(pictures), Snapshot.of(world))
+            pictures.append(clean(picture(known[identity(world)][1])))
+        number, seen = (None, None) if world is None else known[identity(world)]
         run = is_run(result)
         entries.append(
             {
                 "kind": "run" if run else "plan",
-                "world": None if world is None else known[identity(world)],
+                "world": number,
                 "data": clean(slim(result)),
-                "profile": clean((run_profile if run else plan_profile)(result, world)),
+                "profile": clean((run_profile if run else plan_profile)(result, seen)),
             }
         )
     for entry, label in zip(entries, labels(results), strict=True):

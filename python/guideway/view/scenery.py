@@ -5,11 +5,14 @@ from __future__ import annotations
 import base64
 import io
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+
+from .geometry import shape_distance
 
 FREE, BLOCKED, UNKNOWN = 0, 1, 2
 
@@ -19,6 +22,8 @@ WALL_BYTES = 5_000_000
 """Most bytes of an embedded wall image before it is reduced."""
 SHADE_SIDE = 896
 """Longest side of the embedded clearance image, pixels; it is smooth, so it is drawn interpolated."""
+SCENE_SIDE = 240
+"""Longest side of the clearance image that is made for a world of shapes alone, pixels."""
 SHADES = 64
 """Tones of the clearance image."""
 
@@ -55,6 +60,31 @@ class Scenery(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class Snapshot:
+    """A world looked at once: its grids are copied out of it a single time, however often they are drawn."""
+
+    resolution: float
+    origin: Sequence[float]
+    bounds: Sequence[float]
+    shapes: Sequence[Mapping[str, Any]]
+    cells: NDArray[np.uint8] | None
+    field: NDArray[np.floating[Any]] | None
+
+    @classmethod
+    def of(cls, world: Scenery) -> Snapshot:
+        """The present state of a world."""
+        return cls(world.resolution, world.origin, world.bounds, list(world.shapes), world.occupancy(), world.clearance_field())
+
+    def occupancy(self) -> NDArray[np.uint8] | None:
+        """As :class:`Scenery`."""
+        return self.cells
+
+    def clearance_field(self) -> NDArray[np.floating[Any]] | None:
+        """As :class:`Scenery`."""
+        return self.field
+
+
 def shrink_walls(cells: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
     """Reduces a map by an integer factor so that no wall is lost: a block is blocked if any cell is, else unknown if any is."""
     height, width = cells.shape
@@ -79,7 +109,7 @@ def palette_png(values: NDArray[np.uint8], colours: Sequence[tuple[int, int, int
     bits = 1 if len(colours) <= 2 else 2 if len(colours) <= 4 else 8
     buffer = io.BytesIO()
     extra: dict[str, Any] = {} if clear is None else {"transparency": clear}
-    image.save(buffer, "PNG", bits=bits, compress_level=7, **extra)
+    image.save(buffer, "PNG", bits=bits, compress_level=6, **extra)
     return buffer.getvalue()
 
 
@@ -126,7 +156,22 @@ def picture(world: Scenery) -> dict[str, Any]:
         entry["walls"] = walls(np.asarray(cells, dtype=np.uint8), float(world.resolution))
     if field is not None and field.size:
         entry["shade"] = shading(np.asarray(field), field_cell(world, cells, field.shape))
+    elif cells is None and entry["shapes"]:
+        entry["shade"] = shading(*scene_field(bounds, entry["shapes"]))
     return entry
+
+
+def scene_field(bounds: Sequence[float], shapes: Sequence[Mapping[str, Any]]) -> tuple[NDArray[np.float64], float]:
+    """Clearance of a world of shapes on a coarse grid for shading, row 0 on top, and the side of its cells, m."""
+    left, low, right, high = bounds
+    cell = max(right - left, high - low, 1e-9) / SCENE_SIDE
+    x = left + cell * (np.arange(max(1, round((right - left) / cell))) + 0.5)
+    y = low + cell * (np.arange(max(1, round((high - low) / cell)))[::-1] + 0.5)
+    at = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2).astype(np.float64)
+    nearest = np.full(len(at), np.inf)
+    for shape in shapes:
+        np.minimum(nearest, shape_distance(shape, at), out=nearest)
+    return nearest.reshape(len(y), len(x)), cell
 
 
 def field_cell(world: Scenery, cells: NDArray[np.uint8] | None, shape: tuple[int, ...]) -> float:

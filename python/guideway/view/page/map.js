@@ -175,10 +175,10 @@ function makeView() {
   view.worldX = (px) => view.cx + (px - view.width / 2) / view.scale;
   view.worldY = (py) => view.cy - (py - view.height / 2) / view.scale;
   view.fit = ([x0, y0, x1, y1], covered = 0) => {
-    const [right, upper, lower] = [24, 24, 40];
+    const [right, upper, lower] = [view.width > 700 ? 60 : 24, 24, 40];
     const [w, h] = [Math.max(x1 - x0, 1e-3), Math.max(y1 - y0, 1e-3)];
     const scaleWith = (margin) => Math.min((view.width - margin - right) / w, (view.height - upper - lower) / h);
-    const left = covered > 44 && scaleWith(covered) > 0.8 * scaleWith(44) ? covered : 44;
+    const left = covered > 44 && scaleWith(covered) > 0.7 * scaleWith(44) ? covered : 44;
     view.scale = Math.max(1e-6, scaleWith(left));
     view.cx = (x0 + x1) / 2 - (left - right) / 2 / view.scale;
     view.cy = (y0 + y1) / 2 - (lower - upper) / 2 / view.scale;

@@ -374,6 +374,7 @@ function start() {
     say("There is no result in this report.");
     return;
   }
+  state.t = Math.max(0, Number((/\bt=([\d.]+)/.exec(location.hash) || [])[1]) || 0);
   refresh();
 }
 

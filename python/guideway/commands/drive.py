@@ -111,9 +111,8 @@ def _with_movers(world: _core.World, path: str | None) -> _core.World:
     if path is None:
         return world
     from guideway.io import load_movers
-    from guideway.worlds import mover_record
 
-    return world.with_movers([mover_record(mover) for mover in load_movers(path)])
+    return world.with_movers([mover.to_dict() for mover in load_movers(path)])
 
 
 def _deliver(arguments: argparse.Namespace, record: dict[str, Any], plan: dict[str, Any] | None, world: _core.World) -> None:

@@ -15,8 +15,8 @@ def write_atomic(path: str | os.PathLike[str], data: bytes | str) -> None:
     An interrupted write leaves the old file (or none) and nothing beside it. A link is followed; a pipe or device (``/dev/stdout``) is written
     directly. Raises :class:`guideway.errors.BadFile` if the folder is missing or not writable, or the disk is full.
     """
-    raw = data.encode() if isinstance(data, str) else data
     with guard(name(path), "the output"):
+        raw = data.encode() if isinstance(data, str) else data
         target = os.path.realpath(path)
         if _special(target):
             with open(path, "wb") as file:

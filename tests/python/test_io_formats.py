@@ -201,22 +201,6 @@ def test_trajectory(tmp_path: Path) -> None:
         gio.write_trajectory(tmp_path / "t.csv", [[0, 1]])
 
 
-def test_public_maps_load(data: Path) -> None:
-    maps = [p for pattern in ("ros_maps/**/*.yaml", "moving_ai/maps/**/*.gz") for p in sorted(data.glob(pattern))]
-    assert len(maps) >= 20
-    for path in maps:
-        for thresholds in ("inclusive", "strict"):
-            grid = gio.load_map(path, thresholds=thresholds)
-            assert grid.blocked.shape == (grid.height, grid.width)
-            assert 0 < grid.blocked.sum() < grid.blocked.size or "speed" in path.name
-    for path in sorted(data.glob("moving_ai/scen/**/*.gz")):
-        grid = gio.load_map(path.parents[2] / "maps" / path.parent.name / path.name.replace(".scen", ""))
-        for row in gio.load_scenario(path):
-            assert (row.width, row.height) == (grid.width, grid.height)
-            assert not grid.blocked[row.start[1], row.start[0]]
-            assert not grid.blocked[row.goal[1], row.goal[0]]
-
-
 def test_pillow_agrees_with_our_reader(tmp_path: Path) -> None:
     generator = np.random.default_rng(5)
     values = generator.integers(0, 256, (17, 23), np.uint8)

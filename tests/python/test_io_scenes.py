@@ -146,35 +146,6 @@ def test_rasterized_shapes_hold_every_point(tmp_path: Path) -> None:
     assert not (seen & ~near & (x < 2.7)).any()
 
 
-def test_barn(data: Path) -> None:
-    scene = gio.load(f"{data}/barn/barn_worlds.json.gz#7")
-    assert isinstance(scene, gio.Scene)
-    assert {type(shape).__name__ for shape in scene.shapes} == {"Disc"}
-    assert len(scene.shapes) == 207
-    assert scene.robot.footprint.to_dict() == {"box": [0.42, 0.33]}
-    limits = scene.robot.limits()
-    assert [limits[k] for k in ("speed", "acceleration", "deceleration", "turn_rate", "turn_acceleration")] == [2, 2, 2, 2, 4]
-    assert scene.lidar == gio.Lidar(720, pytest.approx(1.5 * np.pi), 10.0, 0.01, 40.0)  # type: ignore[arg-type]
-    assert scene.query is not None
-    assert (scene.query.start, scene.query.start_yaw, scene.query.goal) == ((-2.25, 3.0), 1.57, (-2.25, 13.0))
-    assert (scene.query.arrival, scene.query.time_limit) == (1.0, 100.0)
-
-
-def test_every_world_of_the_collections_converts(data: Path, tmp_path: Path) -> None:
-    for number in range(1, 300, 26):
-        scene = gio.load_collection(f"{data}/barn/barn_worlds.json.gz#{number}")
-        gio.write_map(scene, tmp_path / "b.toml")
-        assert gio.load_scene(tmp_path / "b.toml").shapes == scene.shapes
-    for number in range(1, 60, 2):
-        scene = gio.load_collection(f"{data}/dynabarn/dynabarn_worlds.json#{number}")
-        assert len(scene.shapes) == 3
-        assert 5 <= len(scene.movers) <= 24
-        assert {m.loop for m in scene.movers} == {"cycle"}
-        gio.write_map(scene, tmp_path / "d.toml")
-        again = gio.load_scene(tmp_path / "d.toml")
-        assert (again.movers, again.query, again.robot, again.lidar) == (scene.movers, scene.query, scene.robot, scene.lidar)
-
-
 def test_info(tmp_path: Path) -> None:
     (tmp_path / "m.txt").write_text(".#.\n.#.\n##.\n")
     info = gio.maps_info(tmp_path / "m.txt")

@@ -175,7 +175,8 @@ def _inclusive(pixels: Pixels, header: Header) -> NDArray[np.int8]:
         table = np.full(256, _UNKNOWN, np.float32)
         if header.mode == "scale" and high > low:
             between = (p > low) & (p < high)
-            table[between] = np.rint((p[between] - low) / (high - low) * np.float32(100))
+            share = (p[between] - low) / np.float32(header.occupied - header.free)
+            table[between] = np.floor(share * np.float32(100) + np.float32(0.5))
         table[p >= high] = _OCCUPIED
         table[p <= low] = _FREE
     values = _look_up(_grey8(pixels), table.astype(np.int8))

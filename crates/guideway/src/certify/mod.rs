@@ -1,6 +1,9 @@
 //! Independent checkers: they share no code with what they check, and sample finer.
 
 mod check;
+mod collision;
+mod ground;
 pub mod motion;
 
 pub use check::Check;
+pub use collision::{Collision, collision};

@@ -132,7 +132,7 @@ impl World {
     pub fn cells(&self) -> [u32; 2] {
         match &self.grid {
             Some(grid) => [grid.width(), grid.height()],
-            None => [0, 1].map(|k| ((self.bounds[k + 2] - self.bounds[k]) / self.resolution).ceil() as u32),
+            None => cells_of(self.bounds, self.resolution).map(|n| n as u32),
         }
     }
 
@@ -219,24 +219,8 @@ impl World {
     pub fn clearance_field(&self) -> Arc<ClearanceField> {
         Arc::clone(self.field.get_or_init(|| {
             let squares = self.grid.as_ref().map_or(distance::SquareField::Empty, |g| distance::SquareField::new(g.blocked()));
-            Arc::new(ClearanceField::new(self.size(), self.resolution, squares, self.shape_distances()))
+            Arc::new(ClearanceField::new(self.cells(), self.resolution, squares, self.shape_distances()))
         }))
-    }
-
-    /// Columns and rows of the lattice that grid planners see.
-    pub fn size(&self) -> [u32; 2] {
-        match &self.grid {
-            Some(grid) => [grid.width(), grid.height()],
-            None => cells_of(self.bounds, self.resolution).map(|n| n as u32),
-        }
-    }
-
-    /// Centre of a cell of that lattice, m, map frame.
-    pub fn cell_center(&self, [x, y]: Cell) -> Point {
-        match &self.grid {
-            Some(grid) => grid.center([x, y]),
-            None => [self.bounds[0] + (f64::from(x) + 0.5) * self.resolution, self.bounds[1] + (f64::from(y) + 0.5) * self.resolution],
-        }
     }
 
     /// Distance from every cell centre to the nearest shape, m; empty without shapes.
@@ -244,20 +228,20 @@ impl World {
         if self.shapes.is_empty() {
             return Vec::new();
         }
-        let [w, h] = self.size();
+        let [w, h] = self.cells();
         let mut out = vec![f64::INFINITY; w as usize * h as usize];
         let mut near = Vec::new();
         for (y0, x0) in (0..h).step_by(TILE as usize).flat_map(|y| (0..w).step_by(TILE as usize).map(move |x| (y, x))) {
             // Distances change by no more than the way from the middle of the tile: shapes that stay behind the nearest one all over it are left out.
             let (x1, y1) = ((x0 + TILE).min(w), (y0 + TILE).min(h));
-            let middle = self.cell_center([x0 + TILE / 2, y0 + TILE / 2]);
+            let middle = self.cell_to_map([f64::from(x0 + TILE / 2), f64::from(y0 + TILE / 2)]);
             let reach = f64::from(TILE) * self.resolution;
             near.clear();
             near.extend(self.shapes.iter().map(|s| (s.distance(middle), s)));
             let bound = near.iter().map(|n| n.0).fold(f64::INFINITY, f64::min) + 2.0 * reach;
             near.retain(|n| n.0 <= bound);
             for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
-                let p = self.cell_center([x, y]);
+                let p = self.cell_to_map([f64::from(x) + 0.5, f64::from(y) + 0.5]);
                 out[y as usize * w as usize + x as usize] = near.iter().map(|n| n.1.distance(p)).fold(f64::INFINITY, f64::min);
             }
         }

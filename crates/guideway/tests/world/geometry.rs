@@ -1,91 +1,8 @@
 //! Point and segment queries against brute force over all cells.
 
-use guideway::Point;
-use guideway::world::{Bits, Grid, World, shape};
+use crate::brute::{Draw, PLACES, point_free, segment_to_square, signed, squares, world};
+use guideway::world::shape;
 use proptest::prelude::*;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-    fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn below(&mut self, n: u32) -> u32 {
-        (self.unit() * f64::from(n)) as u32
-    }
-    fn bits(&mut self, w: u32, h: u32, share: f64) -> Bits {
-        let mut bits = Bits::new(w, h);
-        for y in 0..h {
-            for x in 0..w {
-                let on = self.unit() < share;
-                bits.set(x, y, on);
-            }
-        }
-        bits
-    }
-}
-
-fn squares(bits: &Bits, on: bool) -> Vec<Point> {
-    let cells = (0..bits.height()).flat_map(|y| (0..bits.width()).map(move |x| (x, y)));
-    cells.filter(|&(x, y)| bits.at(x, y) == on).map(|(x, y)| [f64::from(x), f64::from(y)]).collect()
-}
-
-fn to_square(q: Point, s: Point) -> f64 {
-    let gap = |q: f64, s: f64| (s - q).max(q - s - 1.0).max(0.0);
-    gap(q[0], s[0]).hypot(gap(q[1], s[1]))
-}
-
-/// Signed distance to the union of the set squares, in cells, by looking at every cell.
-fn brute(bits: &Bits, q: Point) -> f64 {
-    let nearest = |on| squares(bits, on).into_iter().map(|s| to_square(q, s)).fold(f64::INFINITY, f64::min);
-    let outside = nearest(true);
-    let (w, h) = (f64::from(bits.width()), f64::from(bits.height()));
-    if outside > 0.0 { outside } else { -nearest(false).min(q[0]).min(q[1]).min(w - q[0]).min(h - q[1]).max(0.0) }
-}
-
-fn segment_to_square(a: Point, b: Point, s: Point) -> f64 {
-    let c = [s, [s[0] + 1.0, s[1]], [s[0] + 1.0, s[1] + 1.0], [s[0], s[1] + 1.0]];
-    if to_square(a, s) == 0.0 || to_square(b, s) == 0.0 {
-        return 0.0;
-    }
-    (0..4).map(|i| shape::segment_segment(a, b, c[i], c[(i + 1) % 4])).fold(f64::INFINITY, f64::min)
-}
-
-/// Exact for a point robot: between two crossings of grid lines a segment stays in one cell or on one line, so its middle tells.
-fn brute_point_free(bits: &Bits, a: Point, b: Point) -> bool {
-    let at = |t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
-    let mut cuts = vec![0.0, 1.0];
-    for k in 0..2 {
-        for line in 0..=bits.width().max(bits.height()) {
-            let t = (f64::from(line) - a[k]) / (b[k] - a[k]);
-            if t > 0.0 && t < 1.0 {
-                cuts.push(t);
-            }
-            // On a grid line, the crossings are corners.
-        }
-    }
-    cuts.sort_by(f64::total_cmp);
-    let set = |x: f64, y: f64| x >= 0.0 && y >= 0.0 && x < f64::from(bits.width()) && y < f64::from(bits.height()) && bits.at(x as u32, y as u32);
-    let through = |t: f64| {
-        let p = at(t);
-        let (x, y) = (p[0].round(), p[1].round());
-        let [sw, se, nw, ne] = [set(x - 1.0, y - 1.0), set(x, y - 1.0), set(x - 1.0, y), set(x, y)];
-        (p[0] - x).abs().max((p[1] - y).abs()) < 1e-7 && sw == ne && se == nw && sw != se
-    };
-    let middles = cuts.windows(2).all(|w| brute(bits, at(f64::midpoint(w[0], w[1]))) > -1e-6);
-    middles && brute(bits, a) > -1e-6 && brute(bits, b) > -1e-6 && !cuts.iter().any(|&t| t > 1e-9 && t < 1.0 - 1e-9 && through(t))
-}
-
-fn world(bits: &Bits, resolution: f64, origin: [f64; 3]) -> World {
-    World::from_grid(Grid::new(bits.clone(), None, resolution, origin).expect("a valid grid"))
-}
-
-const PLACES: [(f64, [f64; 3]); 3] = [(1.0, [0.0; 3]), (0.05, [-3.0, 7.5, 0.0]), (0.3, [100.0, -20.0, 0.7])];
 
 #[test]
 fn clearance_is_exact() {
@@ -109,7 +26,7 @@ fn clearance_is_exact() {
                 3 => q = [q[0] * 2.0 - f64::from(w) / 2.0, q[1] * 2.0],
                 _ => {}
             }
-            let (ours, truth) = (world.clearance(grid.to_map(q)) / resolution, brute(&bits, q));
+            let (ours, truth) = (world.clearance(grid.to_map(q)) / resolution, signed(&bits, q));
             assert!(ours == truth || (ours - truth).abs() < 1e-9, "case {case}: {q:?} {ours} {truth}");
             let near = world.clearance_within(grid.to_map(q), 2.0 * resolution) / resolution;
             assert!(if truth < 1.999 { (near - truth).abs() < 1e-9 } else { near >= 1.998 }, "case {case}: {q:?} {near} {truth}");
@@ -171,7 +88,7 @@ fn point_segments_are_exact() {
             let mut pick = || [f64::from(draw.below(w * snap as u32 + 1)) / snap, f64::from(draw.below(h * snap as u32 + 1)) / snap];
             let (a, b) = (pick(), pick());
             let ours = world.segment_free(grid.to_map(a), grid.to_map(b), 0.0);
-            assert_eq!(ours, brute_point_free(&bits, a, b), "case {case}: {a:?} {b:?}");
+            assert_eq!(ours, point_free(&bits, a, b), "case {case}: {a:?} {b:?}");
             if ours { free += 1 } else { hit += 1 }
         }
     }

@@ -1,23 +1,11 @@
 //! Distance transforms against brute force.
 
+use crate::brute::Draw;
 use guideway::world::{Bits, Grid, Shape, World, distance_transform, distances};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
-
-struct Draw(ChaCha8Rng);
-
-impl Draw {
-    fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn below(&mut self, n: u32) -> u32 {
-        (self.unit() * f64::from(n)) as u32
-    }
-}
 
 /// Degenerate, sparse and dense sets of every shape.
 fn cases() -> Vec<Bits> {
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(5));
+    let mut draw = Draw::new(5);
     let sizes = [(1, 1), (1, 90), (90, 1), (64, 3), (65, 7), (128, 40), (300, 20), (20, 300), (191, 60), (5, 5)];
     let mut all = Vec::new();
     for (w, h) in sizes {
@@ -90,7 +78,7 @@ fn clearance_field_is_the_clearance_of_cell_centres() {
 
 #[test]
 fn clearance_field_of_shapes() {
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(6));
+    let mut draw = Draw::new(6);
     let shapes = (0..60).map(|i| {
         let c = [20.0 * draw.unit(), 10.0 * draw.unit()];
         if i % 2 == 0 { Shape::disc(c, 0.5 * draw.unit()) } else { Shape::polygon(vec![c, [c[0] + 1.0, c[1] + 0.2], [c[0] + 0.3, c[1] + 0.7]]) }
@@ -100,7 +88,7 @@ fn clearance_field_of_shapes() {
     let field = world.clearance_field();
     assert_eq!([field.width(), field.height()], [286, 143]);
     for (x, y) in (0..143).flat_map(|y| (0..286).map(move |x| (x, y))) {
-        assert_eq!(field.at([x, y]), world.clearance(world.cell_center([x, y])));
+        assert_eq!(field.at([x, y]), world.clearance(world.cell_to_map([f64::from(x) + 0.5, f64::from(y) + 0.5])));
     }
 }
 
@@ -126,7 +114,7 @@ fn far_corners_of_the_largest_maps() {
 
 #[test]
 fn flags_pack_to_bits() {
-    let mut draw = Draw(ChaCha8Rng::seed_from_u64(7));
+    let mut draw = Draw::new(7);
     for (w, h) in [(1, 1), (63, 3), (64, 3), (65, 2), (200, 5)] {
         let flags: Vec<bool> = (0..w * h).map(|_| draw.unit() < 0.4).collect();
         let bits = Bits::from_flags(w, h, &flags);

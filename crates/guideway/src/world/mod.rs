@@ -144,6 +144,16 @@ impl World {
         }
     }
 
+    /// Columns and rows of the cells that grid planners see (the same as [`World::cells`]).
+    pub fn size(&self) -> [u32; 2] {
+        self.cells()
+    }
+
+    /// Centre of a cell that grid planners see, map frame, m.
+    pub fn cell_center(&self, [x, y]: Cell) -> Point {
+        self.cell_to_map([f64::from(x) + 0.5, f64::from(y) + 0.5])
+    }
+
     /// May the reference point be here, obstacles aside?
     pub fn contains(&self, p: Point) -> bool {
         match &self.grid {

@@ -2,6 +2,7 @@
 
 mod astar;
 mod dijkstra;
+mod explain;
 mod jump;
 mod jump_point;
 mod lazy_theta_star;
@@ -14,6 +15,7 @@ mod visibility;
 
 pub use astar::AStar;
 pub use dijkstra::Dijkstra;
+pub use explain::explain;
 pub use jump_point::JumpPoint;
 pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};

@@ -1,24 +1,29 @@
 //! The exact any-angle optimum: the default planner, and the reference every other result is measured against.
 //!
-//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`). No parameters.
-//! Departures: see `rows.rs`.
+//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`); tangent graphs \[liu1992\] for everything else (`tangent.rs`). No parameters.
+//! Departures: rows are scanned on the fly instead of a mesh; tangents are found lazily inside an ellipse that a lower bound sizes. Footprints other than
+//! discs are planned with their circumscribed disc.
 
+mod circles;
+mod leg;
 mod rows;
 mod runs;
+mod tangent;
 
-use super::leg::no_path;
 use crate::Point;
 use crate::context::{Context, Stop};
-use crate::error::PlanError;
+use crate::error::{NoPath, PlanError};
 use crate::path::Path;
 use crate::plan::{Planner, Solution};
 use crate::query::Query;
-use crate::world::{Corners, Grid, shape};
-use rows::{Found, Rows};
+use leg::{Leg, Route};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-/// Exact shortest path in the plane.
+/// Exact shortest path of a disc (or point) in the plane among squares, discs and convex polygons.
+///
+/// `Solution.cost` is the exact length; `path` runs around the outside of arcs and is longer by less than 1e-6 of it. `trace.lower_bound` (m) is a proved
+/// lower bound on the length of any path, equal to the cost unless a budget of time stopped the search.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Visibility {}
@@ -26,12 +31,27 @@ pub struct Visibility {}
 impl Planner for Visibility {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         query.validate()?;
-        let Some(grid) = query.world.grid().filter(|_| query.radius() == 0.0 && query.world.shapes().is_empty()) else {
-            return super::ThetaStar::default().plan(query, ctx);
-        };
-        let mut expansions = 0;
-        let points = crate::plan::through(query, |from, to| point_leg(query, grid, [from, to], ctx, &mut expansions))?;
-        let cost = points.windows(2).map(|w| shape::distance(w[0], w[1])).sum();
+        // Under a budget of time a quick path comes first: it is the result if the proof does not finish.
+        let quick = if ctx.budget().seconds.is_some() { super::LazyThetaStar::default().plan(query, ctx).ok() } else { None };
+        let (mut points, mut cost, mut expansions, mut bound) = (vec![query.start], 0.0, 0, 0.0);
+        let mut leg = Leg::new(query);
+        for ends in query.stops().windows(2) {
+            let route = leg.solve([ends[0], ends[1]], ctx);
+            expansions += leg.expansions;
+            match route {
+                Route::Path { points: part, length } => {
+                    points.extend(part.into_iter().skip(1));
+                    cost += length;
+                    bound += length;
+                }
+                Route::Nothing => return Err(PlanError::NoPath(Box::new(super::explain(query, ctx)))),
+                Route::Stopped { bound: rest } => {
+                    let after: f64 =
+                        query.stops().windows(2).skip_while(|w| *w != ends).skip(1).map(|w| crate::world::shape::distance(w[0], w[1])).sum();
+                    return unfinished(query, ctx, quick, bound + rest + after);
+                }
+            }
+        }
         Ok(Solution {
             path: Path::polyline(&points),
             cells: None,
@@ -42,31 +62,33 @@ impl Planner for Visibility {
             evaluations: 0,
             seconds: ctx.seconds(),
             history: vec![(expansions, cost)],
-            trace: json!({}),
+            trace: json!({ "lower_bound": bound }),
             memory: None,
         })
     }
 }
 
-/// One leg of a point robot on a grid, m.
-fn point_leg(query: &Query, grid: &Grid, [from, to]: [Point; 2], ctx: &mut Context, expansions: &mut u64) -> Result<Vec<Point>, PlanError> {
-    let lattice = query.world.lattice(0.0);
-    let mut rows = Rows::new(lattice.free(), query.corners == Corners::Squeeze, grid.to_cells(from), grid.to_cells(to));
-    let mut stopped = None;
-    let found = rows.solve(&mut || {
-        stopped = ctx.poll();
-        stopped.is_some()
-    });
-    *expansions += rows.expansions;
-    match found {
-        Found::Path(points) => {
-            let mut points: Vec<Point> = points.into_iter().map(|q| grid.to_map(q)).collect();
-            let last = points.len() - 1;
-            (points[0], points[last]) = (from, to);
-            Ok(points)
+/// The quick path with the bound that was proved, or an error if there is none.
+fn unfinished(query: &Query, ctx: &mut Context, quick: Option<Solution>, bound: f64) -> Result<Solution, PlanError> {
+    let stop = ctx.poll().unwrap_or(Stop::Budget);
+    match quick {
+        Some(found) => Ok(Solution { stop, trace: json!({ "lower_bound": bound }), seconds: ctx.seconds(), ..found }),
+        None if stop == Stop::Cancelled => Err(PlanError::Cancelled),
+        None => {
+            let reason = Some("the budget of time was spent".into());
+            Err(PlanError::NoPath(Box::new(NoPath { proved: false, needed: query.radius(), reason, ..NoPath::default() })))
         }
-        Found::Nothing => Err(no_path(query, true, None)),
-        Found::Stopped { .. } if stopped == Some(Stop::Cancelled) => Err(PlanError::Cancelled),
-        Found::Stopped { .. } => Err(no_path(query, false, Some("the budget of time was spent".into()))),
     }
 }
+
+/// Is there a way for a disc of radius `radius` (m) between two points, and how long is the shortest? `None` if the search was stopped.
+#[cfg(test)]
+fn shortest(query: &Query, ends: [Point; 2]) -> Option<f64> {
+    match Leg::new(query).solve(ends, &mut Context::new(0)) {
+        Route::Path { length, .. } => Some(length),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+use super::*;
+use crate::world::shape::distance;
+use crate::world::{Bits, Footprint, Grid, Shape, World};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
+
+fn disc_query(world: World, start: Point, goal: Point, radius: f64) -> Query {
+    let mut query = Query::new(Arc::new(world), start, goal);
+    query.footprint = Footprint::Disc(radius);
+    query
+}
+
+fn discs(bounds: [f64; 4], list: &[(f64, f64, f64)]) -> World {
+    let shapes = list.iter().map(|&(x, y, d)| Shape::disc([x, y], d / 2.0).unwrap()).collect();
+    World::from_shapes(bounds, shapes, 0.05).unwrap()
+}
+
+fn solve(query: &Query) -> Solution {
+    Visibility::default().plan(query, &mut Context::new(0)).unwrap()
+}
+
+/// Every segment free, ends right, polyline longer than the exact length by less than 1e-6.
+fn certify(query: &Query, found: &Solution) {
+    let points = found.path.points();
+    assert_eq!((points[0], points[points.len() - 1]), (query.start, query.goal));
+    let length: f64 = points.windows(2).map(|w| distance(w[0], w[1])).sum();
+    assert!(length >= found.cost * (1.0 - 1e-12) && length <= found.cost * (1.0 + 1e-6), "{length} for {}", found.cost);
+    for w in points.windows(2) {
+        assert!(query.world.segment_free(w[0], w[1], query.radius() - 2e-9), "{w:?}");
+    }
+}
+
+#[test]
+fn one_disc_by_hand() {
+    let query = disc_query(discs([-5.0, -5.0, 5.0, 5.0], &[(0.0, 0.0, 2.0)]), [-3.0, 0.0], [3.0, 0.0], 0.5);
+    let found = solve(&query);
+    // Tangents of length sqrt(9 - 1.5^2) and the arc between them.
+    let expected = 2.0 * (9.0f64 - 2.25).sqrt() + 1.5 * (std::f64::consts::PI - 2.0 * (1.5f64 / 3.0).acos());
+    assert!((found.cost - expected).abs() < 1e-12, "{} instead of {expected}", found.cost);
+    certify(&query, &found);
+}
+
+#[test]
+fn one_square_by_hand() {
+    let mut bits = Bits::new(9, 9);
+    bits.set(4, 4, true);
+    let world = World::from_grid(Grid::new(bits, None, 1.0, [0.0; 3]).unwrap());
+    let query = disc_query(world, [1.5, 4.5], [7.5, 4.5], 0.75);
+    let found = solve(&query);
+    // Around two corners at (4, 5) and (5, 5) with radius 0.75: tangent, arc, straight 1, arc, tangent.
+    let (dx, dy) = (2.5f64, 0.5f64);
+    let d = dx.hypot(dy);
+    let tangent = (d * d - 0.75f64 * 0.75).sqrt();
+    let direction = dy.atan2(dx) + (0.75 / d).asin();
+    let expected = 2.0 * tangent + 2.0 * 0.75 * direction + 1.0;
+    assert!((found.cost - expected).abs() < 1e-12, "{} instead of {expected}", found.cost);
+    certify(&query, &found);
+}
+
+#[test]
+fn room_and_workshop_of_the_test_worlds() {
+    let room = [
+        (1.20, 0.95, 0.8),
+        (2.35, 1.55, 0.6),
+        (2.10, 3.00, 1.0),
+        (3.70, 2.05, 0.9),
+        (4.10, 0.60, 0.7),
+        (6.50, 1.50, 1.2),
+        (7.50, 4.20, 1.0),
+        (0.90, 3.90, 0.5),
+    ];
+    let query = disc_query(discs([0.0, 0.0, 10.0, 6.0], &room), [0.0, 0.0], [5.0, 3.0], 0.3);
+    let found = solve(&query);
+    println!("room {:.9} m", found.cost);
+    assert!((found.cost - 6.198).abs() < 0.005, "{}", found.cost);
+    certify(&query, &found);
+    let workshop = [
+        (2.79, 0.92, 0.84),
+        (7.31, 4.55, 0.71),
+        (10.46, 7.74, 0.94),
+        (5.44, 3.40, 1.07),
+        (7.82, 6.73, 1.14),
+        (9.29, 6.05, 0.87),
+        (1.44, 0.97, 0.67),
+        (2.92, 2.37, 0.53),
+    ];
+    let query = disc_query(discs([0.0, 0.0, 14.0, 10.0], &workshop), [0.0, 0.0], [12.5, 8.2], 0.3);
+    let found = solve(&query);
+    println!("workshop {:.9} m", found.cost);
+    assert!((found.cost - 15.305).abs() < 0.005, "{}", found.cost);
+    certify(&query, &found);
+}
+
+fn random_grid(rng: &mut ChaCha8Rng) -> World {
+    let (w, h) = (rng.random_range(4..14), rng.random_range(4..14));
+    let density = rng.random_range(0.05..0.3);
+    let mut bits = Bits::new(w, h);
+    for y in 0..h {
+        for x in 0..w {
+            bits.set(x, y, rng.random_bool(density));
+        }
+    }
+    let yaw = if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-3.0..3.0) };
+    World::from_grid(Grid::new(bits, None, 0.5, [rng.random_range(-3.0..3.0), 1.0, yaw]).unwrap())
+}
+
+fn random_shapes(rng: &mut ChaCha8Rng) -> Vec<Shape> {
+    let mut shapes = Vec::new();
+    for _ in 0..rng.random_range(1..7) {
+        let c = [rng.random_range(0.5..5.5), rng.random_range(0.5..5.5)];
+        let r = rng.random_range(0.05..0.9);
+        if rng.random_bool(0.5) {
+            shapes.push(Shape::disc(c, r).unwrap());
+        } else {
+            let first: f64 = rng.random_range(0.0..1.0);
+            let n = rng.random_range(3..6);
+            let corner = |i: usize| (first + i as f64) / n as f64 * std::f64::consts::TAU;
+            shapes.push(Shape::polygon((0..n).map(|i| [c[0] + r * corner(i).cos(), c[1] + r * corner(i).sin()]).collect()).unwrap());
+        }
+    }
+    shapes
+}
+
+fn free_point(rng: &mut ChaCha8Rng, world: &World, radius: f64) -> Option<Point> {
+    let [w, h] = world.cells();
+    (0..60)
+        .map(|_| world.cell_to_map([rng.random::<f64>() * f64::from(w), rng.random::<f64>() * f64::from(h)]))
+        .find(|&p| world.clearance(p) >= radius)
+}
+
+/// Brute force: the circle around every corner (or shape) as a polygon of tangent directions is replaced by dense points just outside it, and all
+/// pairs that see each other are joined. Never below the optimum, and near it.
+fn dense(query: &Query, step: f64) -> f64 {
+    let inflated = circles::Inflated { world: &query.world, robot: query.radius() };
+    let mut points = vec![query.start, query.goal];
+    let half = step / 2.0;
+    for circle in inflated.circles(&|_, _| true) {
+        for arc in &circle.arcs {
+            let n = (arc.extent / step).ceil().max(1.0);
+            for i in 0..=n as u32 {
+                points.push(circles::on(circle.center, circle.radius / half.cos(), arc.from + arc.extent * f64::from(i) / n));
+            }
+        }
+    }
+    points.retain(|&p| query.world.fits(p, query.radius()) && query.world.contains(p));
+    let n = points.len();
+    let (mut d, mut done) = (vec![f64::INFINITY; n], vec![false; n]);
+    d[0] = 0.0;
+    while let Some(i) = (0..n).filter(|&i| !done[i] && d[i].is_finite()).min_by(|&a, &b| d[a].total_cmp(&d[b])) {
+        if i == 1 {
+            return d[1];
+        }
+        done[i] = true;
+        for j in 0..n {
+            let g = d[i] + distance(points[i], points[j]);
+            if !done[j] && g < d[j] && query.world.segment_free(points[i], points[j], query.radius()) {
+                d[j] = g;
+            }
+        }
+    }
+    f64::INFINITY
+}
+
+#[test]
+fn never_above_and_hardly_below_a_dense_graph() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let (mut solved, mut unsolved) = (0, 0);
+    for i in 0..400 {
+        let world = match i % 3 {
+            0 => random_grid(&mut rng),
+            1 => World::from_shapes([0.0, 0.0, 6.0, 6.0], random_shapes(&mut rng), 0.1).unwrap(),
+            _ => random_grid(&mut rng).with_shapes(random_shapes(&mut rng)),
+        };
+        let radius = if i % 12 == 1 { 0.0 } else { rng.random_range(0.02..0.7) };
+        let (Some(start), Some(goal)) = (free_point(&mut rng, &world, radius), free_point(&mut rng, &world, radius)) else { continue };
+        let query = disc_query(world, start, goal, radius);
+        let upper = dense(&query, 0.1);
+        match Visibility::default().plan(&query, &mut Context::new(0)) {
+            Ok(found) => {
+                certify(&query, &found);
+                assert!(found.cost <= upper + 1e-9, "case {i}: {} is above {upper}", found.cost);
+                assert!(upper.is_infinite() || found.cost >= upper * (1.0 - 0.01) - 0.01, "case {i}: {} is far below {upper}", found.cost);
+                let back = shortest(&query, [goal, start]).unwrap();
+                assert!((back - found.cost).abs() < 1e-9 * (1.0 + back), "case {i}: {back} backwards, {} forwards", found.cost);
+                solved += 1;
+            }
+            Err(e) => {
+                assert!(upper.is_infinite(), "case {i}: {e}, but there is a path of {upper}");
+                unsolved += 1;
+            }
+        }
+    }
+    println!("{solved} solved, {unsolved} without a path");
+    assert!(solved > 150 && unsolved > 10);
+}

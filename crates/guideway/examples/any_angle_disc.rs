@@ -46,7 +46,8 @@ fn main() {
                 let t = Instant::now();
                 let found = planner(name, serde_json::Value::Null).expect("a registered planner").plan(&query, &mut Context::new(0));
                 let ms = t.elapsed().as_secs_f64() * 1e3;
-                let result = found.map_or_else(|e| e.to_string(), |s| format!("{:.6} m, {} expansions, {} points", s.cost, s.iterations, s.path.count()));
+                let result =
+                    found.map_or_else(|e| e.to_string(), |s| format!("{:.6} m, {} expansions, {} points", s.cost, s.iterations, s.path.count()));
                 println!("{} {:?} {:?} {name}: {ms:.1} ms, {result}", yaml.display(), world.cells(), ends);
             }
         }

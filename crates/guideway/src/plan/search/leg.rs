@@ -112,7 +112,7 @@ impl Legs<'_> {
         let mut ask = Ask { lattice: self.lattice, start, goal, corners: self.query.corners, stop: &mut stop };
         match run(self.engine, &mut ask, &mut found) {
             End::Found(steps) => self.add(&found, steps, to),
-            End::Exhausted => return Err(no_path(self.query, true, None)),
+            End::Exhausted => return Err(no_lattice_path(self.query, ctx)),
             End::Stopped if stopped == Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
             End::Stopped => return Err(no_path(self.query, false, Some("the budget of time was spent".into()))),
             End::Overflow => return Err(no_path(self.query, false, Some("the path is too long for exact costs".into()))),
@@ -152,6 +152,17 @@ pub(super) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell>
     }
     near.sort_by(|a, b| shape::distance(lattice.center(*a), p).total_cmp(&shape::distance(lattice.center(*b), p)));
     near.into_iter().find(|c| reach(*c))
+}
+
+/// No path on the lattice, proved and explained. A way between its cell centres may exist.
+pub(super) fn no_lattice_path(query: &Query, ctx: &mut Context) -> PlanError {
+    let mut why = super::explain(query, ctx);
+    if !why.proved {
+        let more = why.reason.map(|r| format!(" ({r})")).unwrap_or_default();
+        why.reason = Some(format!("no chain of neighbouring cell centres joins start and goal{more}"));
+    }
+    why.proved = true;
+    PlanError::NoPath(Box::new(why))
 }
 
 /// The one place where a lattice search reports that there is no path.

@@ -1,6 +1,7 @@
 //! Exact and any-angle searches: planners themselves, and the references every other result is measured against.
 
 mod astar;
+mod bottleneck;
 mod dijkstra;
 mod explain;
 mod jump;
@@ -8,6 +9,7 @@ mod jump_point;
 mod lazy_theta_star;
 mod leg;
 mod open;
+mod reference;
 mod sight;
 mod step;
 mod theta_star;
@@ -19,6 +21,7 @@ pub use explain::explain;
 pub use jump_point::JumpPoint;
 pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
+pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;
 

@@ -17,7 +17,7 @@ const GROWTH: [f64; 4] = [1.02, 1.1, 1.4, f64::INFINITY];
 const EXCESS: f64 = 5e-7;
 
 /// What one leg gave; lengths in m.
-pub(super) enum Route {
+pub(in crate::plan::search) enum Route {
     /// The optimum as a polyline, and its exact length.
     Path { points: Vec<Point>, length: f64 },
     /// Proved: there is none.
@@ -26,11 +26,17 @@ pub(super) enum Route {
     Stopped { bound: f64 },
 }
 
+/// Free cells of a relaxed map.
+enum Relaxed {
+    Own(Bits),
+    Lattice(Arc<Lattice>),
+}
+
 /// Searches between pairs of points for the robot of one query.
-pub(super) struct Leg<'a> {
+pub(in crate::plan::search) struct Leg<'a> {
     query: &'a Query,
     /// Cells that the reference point may enter, exactly or at most: free in a relaxed map.
-    relaxed: Option<Arc<Lattice>>,
+    relaxed: Option<Relaxed>,
     /// The relaxed map is the exact one.
     point: bool,
     /// Expansions of the last search.
@@ -43,9 +49,9 @@ impl<'a> Leg<'a> {
         // A point at distance `radius` from everything lies in a cell whose centre is nearer by half a diagonal at most.
         let inner = radius - (FRAC_1_SQRT_2 + 1e-9) * world.resolution();
         let relaxed = if inner > 0.0 {
-            Some(world.lattice(inner))
+            Some(Relaxed::Own(world.clearance_field().at_least(inner)))
         } else if world.grid().is_some() && world.shapes().is_empty() {
-            Some(world.lattice(0.0))
+            Some(Relaxed::Lattice(world.lattice(0.0)))
         } else {
             None
         };
@@ -56,12 +62,13 @@ impl<'a> Leg<'a> {
     pub fn solve(&mut self, ends: [Point; 2], ctx: &mut Context) -> Route {
         self.expansions = 0;
         let mut bound = distance(ends[0], ends[1]);
-        if let Some(lattice) = self.relaxed.clone() {
-            match self.rows(lattice.free(), ends, ctx) {
+        let scale = self.query.world.resolution();
+        if let Some(found) = self.rows(ends, ctx) {
+            match found {
                 Found::Path(points) if self.point => return self.point_route(&points, ends),
-                Found::Path(points) => bound = bound.max(cells_length(&points) * lattice.resolution() * (1.0 - 1e-12)),
+                Found::Path(points) => bound = bound.max(cells_length(&points) * scale * (1.0 - 1e-12)),
                 Found::Nothing => return Route::Nothing,
-                Found::Stopped { bound: cells } => return Route::Stopped { bound: bound.max(cells * lattice.resolution()) },
+                Found::Stopped { bound: cells } => return Route::Stopped { bound: bound.max(cells * scale) },
             }
         }
         let inflated = Inflated { world: &self.query.world, robot: self.query.radius() };
@@ -83,13 +90,18 @@ impl<'a> Leg<'a> {
         Route::Nothing
     }
 
-    fn rows(&mut self, free: &Bits, ends: [Point; 2], ctx: &mut Context) -> Found {
+    /// Searches the relaxed map, if there is one.
+    fn rows(&mut self, ends: [Point; 2], ctx: &mut Context) -> Option<Found> {
+        let free = match self.relaxed.as_ref()? {
+            Relaxed::Own(bits) => bits,
+            Relaxed::Lattice(lattice) => lattice.free(),
+        };
         let squeeze = self.point && self.query.corners == Corners::Squeeze;
         let [start, goal] = ends.map(|p| self.to_cells(p));
         let mut rows = Rows::new(free, squeeze, start, goal);
         let found = rows.solve(&mut || ctx.poll().is_some());
         self.expansions += rows.expansions;
-        found
+        Some(found)
     }
 
     fn to_cells(&self, p: Point) -> Point {

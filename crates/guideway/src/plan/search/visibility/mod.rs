@@ -10,13 +10,12 @@ mod rows;
 mod runs;
 mod tangent;
 
-use crate::Point;
 use crate::context::{Context, Stop};
 use crate::error::{NoPath, PlanError};
 use crate::path::Path;
 use crate::plan::{Planner, Solution};
 use crate::query::Query;
-use leg::{Leg, Route};
+pub(super) use leg::{Leg, Route};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -83,7 +82,7 @@ fn unfinished(query: &Query, ctx: &mut Context, quick: Option<Solution>, bound: 
 
 /// Is there a way for a disc of radius `radius` (m) between two points, and how long is the shortest? `None` if the search was stopped.
 #[cfg(test)]
-fn shortest(query: &Query, ends: [Point; 2]) -> Option<f64> {
+fn shortest(query: &Query, ends: [crate::Point; 2]) -> Option<f64> {
     match Leg::new(query).solve(ends, &mut Context::new(0)) {
         Route::Path { length, .. } => Some(length),
         _ => None,

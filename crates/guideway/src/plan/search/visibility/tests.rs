@@ -1,4 +1,5 @@
 use super::*;
+use crate::Point;
 use crate::world::shape::distance;
 use crate::world::{Bits, Footprint, Grid, Shape, World};
 use rand::{RngExt, SeedableRng};

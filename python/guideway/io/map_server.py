@@ -3,12 +3,12 @@
 Two readings of such a file are in use. They differ in how a pixel becomes a brightness and in whether a value equal to a threshold belongs to it;
 one switch, ``thresholds``, picks the whole reading:
 
-``inclusive`` (default): today's ``nav2_map_server/src/map_io.cpp`` of Nav2 (its vectorised loader). The image is turned into 8-bit grey, colours
-    by the Rec. 601 weights of GraphicsMagick; ``p = 1 - grey / 255`` (``grey / 255`` with ``negate``) in single precision; a cell is free if
-    ``p <= free_thresh``, else occupied if ``p >= occupied_thresh``; otherwise unknown in ``trinary`` mode and a value from 0 to 100 between the
-    thresholds in ``scale`` mode. A pixel that is not fully opaque is unknown in both. In ``raw`` mode grey 0 to 100 is the value, above is unknown,
-    ``negate`` is not used.
-``strict``: ``map_server/src/image_loader.cpp`` of ROS 1 (Nav2 before its loader was vectorised compares alike). The brightness is the plain mean of
+``inclusive`` (default): ``nav2_map_server/src/map_io.cpp`` of Nav2 since its loader was vectorised (pull request 5071, 2025). The image
+    becomes 8-bit grey, colours by the Rec. 601 weights of GraphicsMagick; ``p = 1 - grey / 255`` (``grey / 255`` with ``negate``) in single
+    precision; a cell is free if ``p <= free_thresh``, else occupied if ``p >= occupied_thresh``; otherwise unknown in ``trinary`` mode and a value
+    from 0 to 100 between the thresholds in ``scale`` mode. A pixel that is not fully opaque is unknown in both. In ``raw`` mode grey 0 to 100 is
+    the value, above is unknown, ``negate`` is not used.
+``strict``: ``map_server/src/image_loader.cpp`` of ROS 1 (Nav2 before 2025 compares alike). The brightness is the plain mean of
     the channels; in ``trinary`` mode alpha counts as one more channel; ``p = (255 - mean) / 255`` (``negate`` first replaces the mean by
     255 - mean) in double precision; a cell is occupied if ``p > occupied_thresh``, else free if ``p < free_thresh``; otherwise unknown in
     ``trinary`` mode, and in ``scale`` mode unknown where fully transparent, else ``1 + 98 (p - free) / (occupied - free)`` cut to a whole number.

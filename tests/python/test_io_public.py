@@ -34,6 +34,7 @@ def test_map_server_maps_with_packed_images(name: str, size: tuple[int, int], un
 def test_a_dynabarn_world() -> None:
     scene = gio.load_collection(f"{SMALL}/dynabarn_worlds.json#3")
     assert len(scene.movers) == 8
+    assert scene.source == SMALL / "dynabarn_worlds.json#3"
     assert scene.query is not None
     assert (scene.query.start, scene.query.start_yaw, scene.query.goal) == ((11.0, 0.0), 3.14, (-9.0, 0.0))
     # the back wall is 0.5 m deep around x = -10, with sides of 20 m

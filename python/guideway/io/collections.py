@@ -78,9 +78,9 @@ def _pick(where: str, number: str | None, known: list[int]) -> int:
     return int(number)
 
 
-def _scene(blob: Blob, query: Query, **rest: Any) -> Scene:
+def _scene(blob: Blob, index: int, query: Query, **rest: Any) -> Scene:
     files = {blob.path.name: blob.sha256, **rest.pop("files", {})}
-    place: dict[str, Any] = {"source": blob.path, "sha256": blob.sha256, "files": files}
+    place: dict[str, Any] = {"source": Path(f"{blob.path}#{index}"), "sha256": blob.sha256, "files": files}
     return Scene(resolution=_RESOLUTION, robot=ROBOT, has_robot=True, lidar=LIDAR, query=query, **place, **rest)
 
 
@@ -92,7 +92,7 @@ def _barn(blob: Blob, top: Table, centers: object, index: int) -> Scene:
     query = Query((start[0], start[1]), (goal[0], goal[1]), start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT)
     # the ground of the simulator is open: one metre around everything
     points = [*(d.center for d in discs), (start[0], start[1]), (goal[0], goal[1])]
-    return _scene(blob, query, bounds=_around(points, 1.0), shapes=discs)
+    return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=discs)
 
 
 def _dynabarn(blob: Blob, world: Any, index: int) -> Scene:
@@ -113,7 +113,7 @@ def _dynabarn(blob: Blob, world: Any, index: int) -> Scene:
     goal = (start[0] + away[0], start[1] + away[1])
     query = Query((start[0], start[1]), goal, start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT)
     points = [*(p for wall in walls for p in wall.points), (start[0], start[1]), goal]
-    return _scene(blob, query, bounds=_around(points, 1.0), shapes=walls, movers=movers, files={motions.path.name: motions.sha256})
+    return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=walls, movers=movers, files={motions.path.name: motions.sha256})
 
 
 def _around(points: list[Point], margin: float) -> tuple[float, float, float, float]:

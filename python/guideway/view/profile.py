@@ -96,7 +96,8 @@ def clearance(world: Scenery | None, line: Array, along: Array, radius: float) -
         return None
     dense = np.linspace(along[0], along[-1], min(SAMPLES, max(2, 4 * len(line))))
     at = np.column_stack([np.interp(dense, along, line[:, 0]), np.interp(dense, along, line[:, 1])])
-    field = sample_field(world, at)
+    exact = world.occupancy() is None and len(world.shapes) > 0
+    field = None if exact else sample_field(world, at)
     parts = ([] if field is None else [field]) + [shape_distance(shape, at) for shape in world.shapes]
     return rows(np.column_stack([dense, np.minimum.reduce(parts) - radius])) if parts else None
 

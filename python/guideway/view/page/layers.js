@@ -16,7 +16,7 @@ const LAYERS = [
 
 const STYLE = {
   raw: { dash: [5, 4], width: 1.4 },
-  optimum: { dash: [1.2, 4.2], width: 2.4 },
+  optimum: { dash: [0.1, 5.2], width: 2.6 },
   final: { dash: [], width: 2.6 },
   planned: { dash: [7, 5], width: 1.6 },
   driven: { dash: [], width: 2.2 },
@@ -127,6 +127,11 @@ function drawRobot(pen, view, entry, state, colour, halo) {
   pen.save();
   const [x, y] = [view.x(state.x), view.y(state.y)];
   const size = radiusOf(entry.footprint) * view.scale;
+  if (entry.shadow) {
+    drawShadow(pen, view, entry, state, colour);
+    pen.restore();
+    return;
+  }
   const strength = entry.active ? 1 : 0.55;
   if (size > 2) paintFootprint(pen, view, entry.footprint, state, colour, strength);
   pen.globalAlpha = strength;
@@ -145,6 +150,16 @@ function drawRobot(pen, view, entry, state, colour, halo) {
   pen.fillStyle = colour;
   pen.fill();
   pen.restore();
+}
+
+/** Where the plan wanted the robot to be, beside the robot that was driven: an outline only. */
+function drawShadow(pen, view, entry, state, colour) {
+  pen.strokeStyle = colour;
+  pen.lineWidth = 1.5;
+  pen.setLineDash([4, 3]);
+  pen.beginPath();
+  traceFootprint(pen, view, radiusOf(entry.footprint) * view.scale > 5 ? entry.footprint : { disc: 5 / view.scale }, state);
+  pen.stroke();
 }
 
 /** Moving obstacles at a time, with the way they have come and go in the next seconds. */

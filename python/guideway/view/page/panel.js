@@ -88,7 +88,8 @@ function gapWords(data) {
   const any = gapOf(data);
   const best = proved === false ? "best known bound (not proved to be reachable)" : "proved optimum";
   if (finite(any)) {
-    if (any < -1e-6) return `${percent(-any)} shorter than the reference: one of the two is wrong.`;
+    if (record(data.reference).any_angle_gap < -1e-9) return "The planner's path is shorter than its proved optimum: one of the two is wrong.";
+    if (any < -5e-7) return `${percent(-any)} shorter than the ${best} of the planner's model: smoothing rounds corners that the planner goes around.`;
     return any < 5e-7 ? `Exactly as short as the ${best}.` : `${percent(any)} longer than the ${best}.`;
   }
   if (finite(grid)) return grid < 5e-7 ? "Exactly as short as the best path on the grid." : `${percent(grid)} longer than the best path on the grid.`;
@@ -143,16 +144,16 @@ function keyFigures({ kind, data, motion }) {
 
 const noteOf = (kind, title, items) => (items.length ? make("div", { class: `note ${kind}` }, title, make("ul", {}, ...items.map((item) => make("li", {}, plain(item))))) : null);
 
-function fillVerdict(host, entry, several) {
-  const [kind, head, sentences] = verdictOf(entry);
-  const missing = list(entry.data.unmet);
-  const warnings = list(entry.data.warnings);
-  host.replaceChildren(
-    make("div", { class: "status" }, make("span", { class: `badge ${kind}` }, sign(kind)), make("span", {}, several ? `${entry.label}: ${head.charAt(0).toLowerCase()}${head.slice(1)}` : head)),
-    make("p", { class: "words" }, sentences.filter(Boolean).join(" ")),
-    make("dl", { class: "keys" }, ...keyFigures(entry)),
-    ...[noteOf("warn", "Could not be met:", missing), noteOf("warn", "Take note:", warnings)].filter(Boolean),
-  );
+/** The verdict on a result, and, for a drive, on the plan that it set out with. */
+function fillVerdict(host, entry, partner, several) {
+  const both = [entry, partner].filter(Boolean);
+  const statuses = both.flatMap((each) => {
+    const [kind, head, sentences] = verdictOf(each);
+    const title = several ? `${each.label}: ${head.charAt(0).toLowerCase()}${head.slice(1)}` : head;
+    return [make("div", { class: "status" }, make("span", { class: `badge ${kind}` }, sign(kind)), make("span", {}, title)), make("p", { class: "words" }, sentences.filter(Boolean).join(" "))];
+  });
+  const notes = both.flatMap(({ data }) => [noteOf("warn", "Could not be met:", list(data.unmet)), noteOf("warn", "Take note:", list(data.warnings))]);
+  host.replaceChildren(...statuses, make("dl", { class: "keys" }, ...keyFigures(entry)), ...notes.filter(Boolean));
 }
 
 /** Certificate checks as a list; each may be a text or a record with a name and `ok`. */
@@ -208,26 +209,36 @@ const STEP_NAMES = { mean: ["Mean", "ms"], p50: ["Half within", "ms"], p95: ["95
 
 const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
 
-function fillDetails(host, entry, seek) {
+/** Tables of a plan: what came out, the certificate, the distance to the optimum. */
+const planBlocks = ({ data }) => [
+  block("Metrics of the plan", tableOf(data.metrics, METRICS)),
+  block("Certificate", checksOf(record(data.certificate))),
+  block("Against the optimum", referenceTable(data)),
+];
+
+/** Tables of a drive: figures, events, time of a control step. */
+function runBlocks({ data }, seek, skip) {
+  const figures = Object.fromEntries(Object.entries(data).filter(([key]) => !RUN_TABLES.includes(key) && !skip.includes(key)));
+  const steps = Object.fromEntries(Object.entries(record(data.step_seconds)).map(([key, value]) => [key, finite(value) ? 1000 * value : value]));
+  return [block("Drive", tableOf(flat(figures), RUN_NAMES)), block("Events", eventList(data.events, seek)), block("Time of one control step", tableOf(steps, STEP_NAMES))];
+}
+
+function fillDetails(host, entry, partner, seek) {
   const { data } = entry;
-  const search = record(data.search);
-  const planner = { planner: data.planner, controller: data.controller, seed: data.seed, ...record(data.parameters) };
-  for (const key of Object.keys(planner)) if (planner[key] === undefined) delete planner[key];
-  const run = entry.kind === "run";
-  const blocks = [
-    run ? block("Drive", tableOf(flat(Object.fromEntries(Object.entries(data).filter(([key]) => !RUN_TABLES.includes(key) && !(key in planner)))), RUN_NAMES)) : block("Metrics", tableOf(data.metrics, METRICS)),
-    run ? block("Events", eventList(data.events, seek)) : block("Certificate", checksOf(record(data.certificate))),
-    run ? block("Time of one control step", tableOf(Object.fromEntries(Object.entries(record(data.step_seconds)).map(([key, value]) => [key, finite(value) ? 1000 * value : value])), STEP_NAMES)) : block("Against the optimum", referenceTable(data)),
-    make("div", { class: "pair" }, ...[
-      block(run ? "Controller" : "Planner", tableOf(planner, {})),
-      block("Search", tableOf(search, SEARCH, ["history"]), sparkOf(search.history)),
-      block("Limits", tableOf(record(data.trajectory).limits, LIMITS)),
-      block("Robot", tableOf(record(data.robot), LIMITS)),
-      block("Task", tableOf(data.query, { clearance: ["Clearance", "m"] })),
-      block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
-    ].filter(Boolean)),
+  const source = partner ? partner.data : data;
+  const search = record(source.search);
+  const named = ["planner", "controller", "seed"];
+  const planner = { ...Object.fromEntries(named.filter((key) => data[key] !== undefined).map((key) => [key, data[key]])), ...record(data.parameters) };
+  const settings = [
+    block(entry.kind === "run" ? "Controller" : "Planner", tableOf(planner, {})),
+    block("Search", tableOf(search, SEARCH, ["history"]), sparkOf(search.history)),
+    block("Limits", tableOf(record(source.trajectory).limits, LIMITS)),
+    block("Robot", tableOf(record(data.robot), LIMITS)),
+    block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], arrival: ["Arrived within", "m"] })),
+    block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
   ];
-  host.replaceChildren(...blocks.filter(Boolean));
+  const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner) : [])] : planBlocks(entry);
+  host.replaceChildren(...results.filter(Boolean), make("div", { class: "pair" }, ...settings.filter(Boolean)));
 }
 
 function eventList(events, seek) {

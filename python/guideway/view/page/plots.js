@@ -188,7 +188,7 @@ function makePlots(host, link) {
     strip.ghost.hidden = ghostTime === null;
     if (ghostTime !== null) strip.ghost.style.transform = `translateX(${xOf(strip, Math.min(ghostTime, span.end))}px)`;
     const shown = ghostTime === null ? time : ghostTime;
-    const parts = strip.series.filter((series) => series.bold).map((series) => {
+    const parts = strip.series.filter((series) => series.bold || (series.lead && !strip.series.some((other) => other.bold))).map((series) => {
       const outside = !series.x.length || shown > series.x[series.x.length - 1] + 1e-6;
       const value = outside ? null : lookUp(series.x, series.y, shown);
       const part = make("span", {}, value === null ? "\u2013" : `${value.toFixed(strip.digits).replace("-", "\u2212")} ${strip.unit}`);

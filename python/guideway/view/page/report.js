@@ -54,16 +54,17 @@ function homeBox() {
   return size(path) < 0.45 * size(whole) ? path : whole;
 }
 
-/** The plan whose raw path and optimum are drawn: the active one, or the one that the active drive set out with. */
-function leadingPlan() {
-  const entry = current();
-  if (!entry || entry.kind === "plan") return entry;
+/** The plan that a drive set out with, if it is in the report; null for plans. */
+function partnerOf(entry) {
   const key = (other) => JSON.stringify([record(other.data.query).start, record(other.data.query).goal]);
-  return entries.find((other) => other.kind === "plan" && key(other) === key(entry)) || entry;
+  return entry.kind === "run" ? entries.find((other) => other.kind === "plan" && key(other) === key(entry)) || null : null;
 }
 
+/** The result whose raw path and optimum are drawn. */
+const leading = () => (current() ? partnerOf(current()) || current() : null);
+
 const scene = () => ({
-  entries: shownEntries().map((entry) => Object.assign(entry, { active: entry.index === state.active, leading: entry === leadingPlan() })),
+  entries: shownEntries().map((entry) => Object.assign(entry, { active: entry.index === state.active, shadow: entry.kind === "plan" && shownEntries().some((other) => other.kind === "run"), leading: entry === leading() })),
   world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, home: homeBox(),
 });
 
@@ -204,7 +205,7 @@ function plotSpecs() {
   if (!entry) return [];
   const shown = shownEntries().filter((other) => other.motion.timed === entry.motion.timed);
   const limits = { ...record(entry.data.robot), ...record(record(entry.data.trajectory).limits) };
-  const collect = (key, fill) => shown.sort((a, b) => (a === entry) - (b === entry)).map((other) => ({ ...(curvesOf(other)[key] || curve()), bold: other === entry, fill, colour: () => entryColour(other.index), breaks: key === "separation" ? 0.5 : 0 })).filter((series) => series.x.length);
+  const collect = (key, fill) => shown.sort((a, b) => (a === entry) - (b === entry)).map((other) => ({ ...(curvesOf(other)[key] || curve()), bold: other === entry, lead: other === partnerOf(entry), fill, colour: () => entryColour(other.index), breaks: key === "separation" ? 0.5 : 0 })).filter((series) => series.x.length);
   const ceiling = entry.curves && entry.curves.ceiling && entry.curves.ceiling.x.length ? [{ ...entry.curves.ceiling, ceiling: true }] : [];
   const nearby = collect("separation", true);
   const wanted = number(record(entry.data.query).clearance);
@@ -216,7 +217,7 @@ function plotSpecs() {
     { title: "Turn rate", unit: "rad/s", signed: true, series: collect("turnRate"), lines: limitLines([[limits.turn_rate, "limits"], [finite(limits.turn_rate) ? -limits.turn_rate : null, "limits"]]) },
     { title: "Clearance", unit: "m", series: collect("clearance", true), lines: limitLines([[wanted > 0 ? wanted : null, "asked for"]]) },
     { title: "Distance to movers", unit: "m", series: nearby, lines: [] },
-  ].filter((spec) => spec.series.length && spec.series.some((series) => series.bold || spec.title === "Speed"));
+  ].filter((spec) => spec.series.length && spec.series.some((series) => series.bold || series.lead || spec.title === "Speed"));
   if (specs.length && specs[0].title === "Speed" && ceiling.length) {
     specs[0].series = [...ceiling, ...specs[0].series];
     specs[0].lines.push({ y: NaN, name: "shaded: ceiling" });
@@ -274,8 +275,8 @@ function refresh() {
   byId("slider").setAttribute("aria-label", unit() === "m" ? "Distance along the path" : "Time");
   fillCompare(byId("compare"), entries, { active: state.active, visible: state.visible, choose, toggle });
   if (entry) {
-    fillVerdict(byId("verdict"), entry, entries.length > 1);
-    fillDetails(byId("details"), entry, seek);
+    fillVerdict(byId("verdict"), entry, partnerOf(entry), entries.length > 1);
+    fillDetails(byId("details"), entry, partnerOf(entry), seek);
   }
   fillLayers();
   fillMarks();
@@ -375,6 +376,8 @@ function start() {
     return;
   }
   state.t = Math.max(0, Number((/\bt=([\d.]+)/.exec(location.hash) || [])[1]) || 0);
+  const runs = entries.filter((entry) => entry.kind === "run");
+  if (runs.length === 1 && partnerOf(runs[0])) state.active = runs[0].index;
   refresh();
 }
 

@@ -1,5 +1,6 @@
 //! What the lattice searches share: exact integer costs, search nodes, and the open list.
 
+use super::jump::{Agenda, Buckets, Heap};
 use std::collections::BinaryHeap;
 use std::ops::Add;
 
@@ -7,9 +8,11 @@ use std::ops::Add;
 /// root of 2. Two paths differ by `m` straight and `n` diagonal steps; the sign of `n p - m q` is the sign of `n sqrt(2) - m` for every `0 < n < q`, because a
 /// fraction `m / n` between a convergent and its limit has a larger denominator than the convergent. So while a path has fewer than `q` diagonal
 /// steps, comparing integers *is* comparing exact lengths, ties included.
-pub trait Cost: Copy + Ord + Add<Output = Self> + Default + Send + 'static {
+pub(super) trait Cost: Copy + Ord + Add<Output = Self> + Default + Send + 'static {
     /// Entry of the open list: smaller cost first, then the younger node.
     type Key: Copy + Ord + Send;
+    /// Open list of the jump point search.
+    type Agenda: Agenda<Self>;
     /// `q`.
     const STRAIGHT: Self;
     /// `p`.
@@ -27,6 +30,7 @@ pub trait Cost: Copy + Ord + Add<Output = Self> + Default + Send + 'static {
 /// Convergent 19601 / 13860. Every path shorter than 19601 cells is compared exactly, and sums of two costs fit.
 impl Cost for u32 {
     type Key = u64;
+    type Agenda = Buckets;
     const STRAIGHT: u32 = 13860;
     const DIAGONAL: u32 = 19601;
     const LIMIT: u32 = 13860 * 19601;
@@ -47,6 +51,7 @@ impl Cost for u32 {
 /// Convergent 1855077841 / 1311738121: exact for every map that is accepted (at most 2^28 cells).
 impl Cost for u64 {
     type Key = u128;
+    type Agenda = Heap<u64>;
     const STRAIGHT: u64 = 1_311_738_121;
     const DIAGONAL: u64 = 1_855_077_841;
     const LIMIT: u64 = 1 << 62;
@@ -66,14 +71,14 @@ impl Cost for u64 {
 
 /// Octile distance, the exact cost on an empty lattice.
 #[inline]
-pub fn octile<C: Cost>(dx: u32, dy: u32) -> C {
+pub(super) fn octile<C: Cost>(dx: u32, dy: u32) -> C {
     let (long, short) = if dx > dy { (dx, dy) } else { (dy, dx) };
     C::STRAIGHT.times(long - short) + C::DIAGONAL.times(short)
 }
 
 /// A node of the search tree.
 #[derive(Debug, Clone, Copy)]
-pub struct Node<C> {
+pub(super) struct Node<C> {
     /// Cost from the start.
     pub g: C,
     /// Where it is, in the numbering of the search.
@@ -90,7 +95,7 @@ pub struct Node<C> {
 ///
 /// `slot` maps a place to its node. It is never cleared: an entry counts only if the node it names says so (the sparse set of Briggs and Torczon,
 /// *An efficient representation for sparse sets*, 1993), so starting a search costs nothing, whatever the size of the map.
-pub struct Open<C: Cost> {
+pub(super) struct Open<C: Cost> {
     slot: Vec<u32>,
     pub(super) nodes: Vec<Node<C>>,
     heap: BinaryHeap<C::Key>,

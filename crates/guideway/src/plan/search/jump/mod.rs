@@ -21,15 +21,16 @@
 
 #![expect(clippy::inline_always, reason = "the loops are specialised by direction and rule; calls between them cost a third of the time")]
 
+mod agenda;
 mod graph;
 mod scan;
 
 use super::open::{Cost, octile};
 use super::{Ask, End, Steps};
 use crate::world::{Cell, Corners};
-use graph::{Graph, List};
+pub(super) use agenda::{Agenda, Buckets, Heap};
+use graph::{Graph, List, Spot};
 use scan::{CLEAR, Map, SQUEEZE, TOUCH};
-use std::collections::BinaryHeap;
 
 /// Bit of [`graph::Node::state`]: expanded already. Directions of entry are below, the number of the search above.
 const CLOSED: u32 = 1 << 8;
@@ -37,53 +38,41 @@ const CLOSED: u32 = 1 << 8;
 const SEARCH: u32 = 1 << 9;
 
 /// What one thread keeps between searches on a lattice.
-struct Scratch<C: Cost, const RULE: u8> {
-    graph: Graph<C, RULE>,
-    heap: BinaryHeap<C::Key>,
-    /// Nodes in the order in which they were pushed: ties go by age, never by what earlier searches have seen.
-    pushed: Vec<u32>,
+struct Scratch<C: Cost, const RULE: u8, const WAYS: usize> {
+    graph: Graph<C, RULE, WAYS>,
+    agenda: C::Agenda,
     /// Number of the current search, in units of [`SEARCH`].
     search: u32,
 }
 
-impl<C: Cost, const RULE: u8> Default for Scratch<C, RULE> {
+impl<C: Cost, const RULE: u8, const WAYS: usize> Default for Scratch<C, RULE, WAYS> {
     fn default() -> Self {
-        Self { graph: Graph::default(), heap: BinaryHeap::new(), pushed: Vec::new(), search: 0 }
+        Self { graph: Graph::default(), agenda: C::Agenda::default(), search: 0 }
     }
 }
 
-impl<C: Cost, const RULE: u8> Scratch<C, RULE> {
+impl<C: Cost, const RULE: u8, const WAYS: usize> Scratch<C, RULE, WAYS> {
     /// Forgets the last search, whatever its size, by counting up.
-    fn begin(&mut self, width: u32, height: u32) {
-        self.graph.prepare(width, height);
-        self.heap.clear();
-        self.pushed.clear();
+    fn begin(&mut self, ask: &Ask) {
+        self.graph.prepare(ask.lattice.width(), ask.lattice.height());
+        self.agenda.begin(octile(ask.start[0].abs_diff(ask.goal[0]), ask.start[1].abs_diff(ask.goal[1])));
         self.search = self.search.wrapping_add(SEARCH);
         if self.search == 0 {
             self.graph.nodes.iter_mut().for_each(|n| n.state = 0);
             self.search = SEARCH;
         }
     }
+}
 
-    /// The open node with the smallest estimate, now closed; among equals the youngest entry.
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(C, u32)> {
-        while let Some(key) = self.heap.pop() {
-            let (f, entry) = C::split(key);
-            let id = self.pushed[entry as usize];
-            let state = &mut self.graph.nodes[id as usize].state;
-            if *state & CLOSED == 0 {
-                *state |= CLOSED;
-                return Some((f, id));
-            }
-        }
-        None
-    }
+/// Octile distance of two spots.
+#[inline(always)]
+fn between<C: Cost>(a: Spot, b: Spot) -> C {
+    octile(a[0].abs_diff(b[0]).into(), a[1].abs_diff(b[1]).into())
 }
 
 /// The goal, and the best way to it so far.
 struct Goal<C> {
-    cell: Cell,
+    spot: Spot,
     /// Free cells from the goal to the wall in the four straight directions.
     sees: [u32; 4],
     best: C,
@@ -93,11 +82,11 @@ struct Goal<C> {
 }
 
 impl<C: Cost> Goal<C> {
-    /// Takes the goal if it can be reached from a node at `cell` by the searched directions: first diagonal, then straight.
+    /// Takes the goal if it can be reached from a node at `from` by the searched directions: first diagonal, then straight.
     #[inline(always)]
-    fn seen(&mut self, cell: Cell, g: C, list: &List, node: u32) {
-        let (dx, dy) = (i64::from(self.cell[0]) - i64::from(cell[0]), i64::from(self.cell[1]) - i64::from(cell[1]));
-        let (wide, high) = (dx.unsigned_abs() as u32, dy.unsigned_abs() as u32);
+    fn seen(&mut self, from: Spot, g: C, list: &List, node: u32) {
+        let (dx, dy) = (i32::from(self.spot[0]) - i32::from(from[0]), i32::from(self.spot[1]) - i32::from(from[1]));
+        let (wide, high) = (dx.unsigned_abs(), dy.unsigned_abs());
         let short = wide.min(high);
         // The straight part arrives at the goal from the side that the goal looks back to.
         let look = if wide > high {
@@ -128,16 +117,17 @@ impl<C: Cost> Goal<C> {
 /// Searches by jump points. Leaves the turning points in `out`.
 pub(super) fn search<C: Cost>(ask: &mut Ask, out: &mut Vec<Cell>) -> End {
     match ask.corners {
-        Corners::Touch => run::<C, TOUCH>(ask, out),
-        Corners::Clear => run::<C, CLEAR>(ask, out),
-        Corners::Squeeze => run::<C, SQUEEZE>(ask, out),
+        Corners::Touch => run::<C, TOUCH, 8>(ask, out),
+        Corners::Clear => run::<C, CLEAR, 4>(ask, out),
+        Corners::Squeeze => run::<C, SQUEEZE, 8>(ask, out),
     }
 }
 
-fn run<C: Cost, const RULE: u8>(ask: &mut Ask, out: &mut Vec<Cell>) -> End {
-    let mut scratch = ask.lattice.pool().take::<Scratch<C, RULE>>();
+fn run<C: Cost, const RULE: u8, const WAYS: usize>(ask: &mut Ask, out: &mut Vec<Cell>) -> End {
+    let mut scratch = ask.lattice.pool().take::<Scratch<C, RULE, WAYS>>();
     let map = Map::of(ask.lattice);
-    let mut goal = Goal { cell: ask.goal, sees: map.reach(ask.goal), best: C::LIMIT, parent: 0, overflow: false };
+    let spot = ask.goal.map(|v| v as u16);
+    let mut goal = Goal { spot, sees: map.reach(ask.goal), best: C::LIMIT, parent: 0, overflow: false };
     let expansions = explore(&mut scratch, map, ask, &mut goal);
     let end = match expansions {
         None => End::Stopped,
@@ -153,67 +143,77 @@ fn run<C: Cost, const RULE: u8>(ask: &mut Ask, out: &mut Vec<Cell>) -> End {
 }
 
 /// Expands nodes until no better way to the goal is left; returns how many, or `None` if stopped.
-fn explore<C: Cost, const RULE: u8>(scratch: &mut Scratch<C, RULE>, map: Map, ask: &mut Ask, goal: &mut Goal<C>) -> Option<u64> {
-    scratch.begin(ask.lattice.width(), ask.lattice.height());
+fn explore<C: Cost, const RULE: u8, const WAYS: usize>(
+    scratch: &mut Scratch<C, RULE, WAYS>,
+    map: Map,
+    ask: &mut Ask,
+    goal: &mut Goal<C>,
+) -> Option<u64> {
+    scratch.begin(ask);
     let start = scratch.graph.node(ask.start);
     let node = &mut scratch.graph.nodes[start as usize];
     (node.g, node.parent, node.state) = (C::default(), start, scratch.search | CLOSED);
-    let first = scratch.graph.edges.len();
     let list = scratch.graph.spokes(map, ask.start, 0xff);
-    follow(scratch, &list, start, goal);
-    scratch.graph.edges.truncate(first);
+    follow(scratch, list, start, goal);
+    scratch.graph.words.truncate(list as usize);
     let mut expansions = 1;
-    while let Some((f, id)) = scratch.pop() {
-        if f >= goal.best {
+    while let Some((bound, id)) = scratch.agenda.pop() {
+        if bound >= goal.best {
             break;
         }
+        let node = &mut scratch.graph.nodes[id as usize];
+        if node.state & CLOSED != 0 || node.g + between(node.spot, goal.spot) >= goal.best {
+            continue;
+        }
+        let mut entered = node.state & 0xff;
+        node.state |= CLOSED;
         expansions += 1;
         if ask.pause(expansions) {
             return None;
         }
-        let mut entered = scratch.graph.nodes[id as usize].state & 0xff;
         while entered != 0 {
             let list = scratch.graph.list(map, id, entered.trailing_zeros() as usize);
             entered &= entered - 1;
-            follow(scratch, &list, id, goal);
+            follow(scratch, list, id, goal);
         }
     }
     Some(expansions)
 }
 
-/// Offers everything a node leads to.
+/// Offers everything a list of a node leads to.
 #[inline(always)]
-fn follow<C: Cost, const RULE: u8>(scratch: &mut Scratch<C, RULE>, list: &List, id: u32, goal: &mut Goal<C>) {
-    let Scratch { graph: Graph { nodes, edges, .. }, heap, pushed, search } = scratch;
-    let (cell, base) = (nodes[id as usize].cell, nodes[id as usize].g);
-    goal.seen(cell, base, list, id);
-    for edge in &edges[list.range()] {
-        let (g, entered) = (base + edge.cost, 1 << (edge.target & 7));
-        let node = &mut nodes[(edge.target >> 3) as usize];
+fn follow<C: Cost, const RULE: u8, const WAYS: usize>(scratch: &mut Scratch<C, RULE, WAYS>, list: u32, id: u32, goal: &mut Goal<C>) {
+    let Scratch { graph: Graph { nodes, words, .. }, agenda, search } = scratch;
+    let list = List::read(words, list);
+    let (spot, base) = (nodes[id as usize].spot, nodes[id as usize].g);
+    goal.seen(spot, base, &list, id);
+    for target in list.targets {
+        let entered = 1 << (target & 7);
+        let node = &mut nodes[(target >> 3) as usize];
+        let g = base + between(spot, node.spot);
         if node.state >= *search && node.g <= g {
             if node.g == g && node.state & CLOSED == 0 {
                 node.state |= entered;
             }
             continue;
         }
-        let f = g + octile(node.cell[0].abs_diff(goal.cell[0]), node.cell[1].abs_diff(goal.cell[1]));
+        let f = g + between(node.spot, goal.spot);
         goal.overflow |= f >= C::LIMIT;
         if f < goal.best {
             (node.g, node.parent, node.state) = (g, id, *search | entered);
-            heap.push(C::key(f, pushed.len() as u32));
-            pushed.push(edge.target >> 3);
+            agenda.push(f, target >> 3);
         }
     }
 }
 
 /// Turning points of the best way to the goal: between two jump points first diagonal, then straight.
-fn retrace<C: Cost, const RULE: u8>(graph: &Graph<C, RULE>, goal: &Goal<C>, out: &mut Vec<Cell>) {
+fn retrace<C: Cost, const RULE: u8, const WAYS: usize>(graph: &Graph<C, RULE, WAYS>, goal: &Goal<C>, out: &mut Vec<Cell>) {
     // From the goal back, so each leg is walked from its far end: straight first, then diagonal.
-    let (mut to, mut id) = (goal.cell, goal.parent);
+    let (mut to, mut id) = (goal.spot.map(u32::from), goal.parent);
     out.push(to);
     loop {
         let node = &graph.nodes[id as usize];
-        let from = node.cell;
+        let from = node.spot.map(u32::from);
         let way = |k: usize| (i64::from(to[k]) - i64::from(from[k])).signum() as i32;
         let short = from[0].abs_diff(to[0]).min(from[1].abs_diff(to[1])) as i32;
         push(out, [from[0].wrapping_add_signed(way(0) * short), from[1].wrapping_add_signed(way(1) * short)]);

@@ -62,6 +62,7 @@ pub fn load(root: &Path, name: &str) -> (World, Vec<Row>) {
             let n = |k: usize| f[k].parse::<u32>().unwrap();
             Row { start: [n(4), h - 1 - n(5)], goal: [n(6), h - 1 - n(7)], optimum: f[8].trim().parse().unwrap() }
         })
+        .inspect(|row| assert!(row.optimum.is_finite(), "{name}"))
         .collect();
     (World::from_grid(Grid::new(blocked, None, 1.0, [0.0; 3]).unwrap()), rows)
 }

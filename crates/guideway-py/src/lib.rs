@@ -1,5 +1,6 @@
 //! Python binding: conversion only. Arrays come and go as NumPy, records as plain dictionaries, errors as the classes of `guideway.errors`.
 
+mod certify;
 mod convert;
 mod errors;
 mod motion;
@@ -17,6 +18,8 @@ mod _core {
     #[expect(non_upper_case_globals, reason = "the name that Python expects")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
+    #[pymodule_export]
+    use crate::certify::{certify, reference};
     #[pymodule_export]
     use crate::motion::{Trajectory, ceiling, controllers, drive, time};
     #[pymodule_export]

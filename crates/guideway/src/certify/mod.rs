@@ -2,8 +2,10 @@
 
 mod check;
 mod collision;
+mod curvature;
 mod ground;
 pub mod motion;
 
 pub use check::Check;
 pub use collision::{Collision, collision};
+pub use curvature::curvature;

@@ -1,0 +1,84 @@
+//! Certificates and exact references.
+
+use crate::convert::to_python;
+use crate::motion::Trajectory;
+use crate::path::Path;
+use crate::plan::{Solution, watched};
+use crate::query::Query;
+use guideway::certify::{self, Check, motion};
+use guideway::context::Budget;
+use guideway::plan::search;
+use guideway::world::shape::distance;
+use pyo3::prelude::*;
+use serde_json::json;
+
+/// Checks a path, and the motion along it, with code that shares nothing with planners, smoother and timing.
+///
+/// Returns `ok`, `collision_free`, `step` (m), `min_clearance` (m) and `checks`: name, ok, worst, limit, at. A curvature above `max_curvature` (1/m) is
+/// reported in its check (`reported` true) and does not make the certificate fail: there is not always room for a gentle bend.
+#[pyfunction]
+#[pyo3(signature = (path, query, trajectory=None, *, max_curvature=None, step=None))]
+pub fn certify<'py>(
+    py: Python<'py>,
+    path: &Path,
+    query: &Query,
+    trajectory: Option<&Trajectory>,
+    max_curvature: Option<f64>,
+    step: Option<f64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let (path, query) = (&path.inner, &query.inner);
+    let (collision, mut checks) = py.detach(|| {
+        let collision = certify::collision(path, query, step);
+        let mut checks = vec![ends(path, query)];
+        if let Some(motion) = trajectory {
+            let asked = motion::Asked { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..motion::Asked::default() };
+            checks.extend(motion::motion(&motion.inner, &asked));
+        }
+        (collision, checks)
+    });
+    let gap = json!({"name": "clearance", "ok": collision.ok, "worst": collision.min_clearance, "limit": query.clearance, "at": null});
+    let ok = collision.ok && checks.iter().all(|check| check.ok);
+    let mut rows = vec![gap];
+    rows.extend(checks.drain(..).map(|check| json!(check)));
+    if max_curvature.is_some() {
+        let mut row = json!(certify::curvature(path, max_curvature));
+        row["reported"] = json!(true);
+        rows.push(row);
+    }
+    to_python(
+        py,
+        &json!({"ok": ok, "collision_free": collision.ok, "step": collision.step, "samples": collision.samples,
+                "min_clearance": collision.min_clearance, "worst": collision.worst, "checks": rows}),
+    )
+}
+
+/// Does the path start and end where it should, and pass every via point?
+fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
+    let mut check = Check::below("ends", Some(0.0));
+    check.see(distance(path.planar(0.0).point, query.start), 0.0, 1e-9);
+    check.see(distance(path.planar(path.length()).point, query.goal), path.length(), 1e-9);
+    let mut from = 0.0;
+    for via in &query.via {
+        let (s, _) = path.project(*via, from, path.length() - from);
+        check.see(distance(path.planar(s).point, *via), s, 1e-6);
+        from = s;
+    }
+    check
+}
+
+/// The exact optima of the solution's own model and its gaps to them; None where there is no exact reference.
+#[pyfunction]
+pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution) -> PyResult<Bound<'py, PyAny>> {
+    let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| search::reference(inner, cost, ctx))?;
+    raised.map_or(Ok(()), Err)?;
+    let reference = crate::errors::OrPy::or_py(result, py)?;
+    let gap = |optimum: Option<f64>| optimum.map(|best| if best > 0.0 { cost / best - 1.0 } else { 0.0 });
+    let grid = reference.grid_optimum.filter(|_| lattice);
+    to_python(
+        py,
+        &json!({"grid_optimum": reference.grid_optimum, "grid_gap": gap(grid), "any_angle_optimum": reference.any_angle_optimum,
+                "any_angle_gap": gap(reference.any_angle_optimum), "any_angle_bound": reference.any_angle_bound, "proved": reference.proved,
+                "path": reference.any_angle_path.map(|path| path.points())}),
+    )
+}

@@ -5,7 +5,7 @@ use crate::motion::Trajectory;
 use crate::path::Path;
 use crate::plan::{Solution, watched};
 use crate::query::Query;
-use guideway::certify::{self, Check, motion};
+use guideway::certify::{self as checker, Check, motion};
 use guideway::context::Budget;
 use guideway::plan::search;
 use guideway::world::shape::distance;
@@ -28,7 +28,7 @@ pub fn certify<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let (path, query) = (&path.inner, &query.inner);
     let (collision, mut checks) = py.detach(|| {
-        let collision = certify::collision(path, query, step);
+        let collision = checker::collision(path, query, step);
         let mut checks = vec![ends(path, query)];
         if let Some(motion) = trajectory {
             let asked = motion::Asked { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..motion::Asked::default() };
@@ -41,7 +41,7 @@ pub fn certify<'py>(
     let mut rows = vec![gap];
     rows.extend(checks.drain(..).map(|check| json!(check)));
     if max_curvature.is_some() {
-        let mut row = json!(certify::curvature(path, max_curvature));
+        let mut row = json!(checker::curvature(path, max_curvature));
         row["reported"] = json!(true);
         rows.push(row);
     }

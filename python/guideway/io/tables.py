@@ -36,7 +36,8 @@ class Table:
     def bad(self, key: str, allowed: str, value: object = None) -> BadFile:
         """The complaint about a field."""
         if value is None and key not in self._data:
-            return BadFile(self.at(key), "the field is missing", allowed, "Add it")
+            near = difflib.get_close_matches(key, [str(k)[:60] for k in self._data if k not in self._asked], 1)
+            return BadFile(self.at(key), "the field is missing", allowed, f"Is {near[0]} meant to be it?" if near else "Add it")
         return BadFile(self.at(key), f"{show(self._data.get(key) if value is None else value)} cannot be used", allowed, "Correct the field")
 
     @property

@@ -5,10 +5,15 @@
 
 mod controllers;
 mod course;
+mod dwa;
 mod execute;
+mod field;
 mod filter;
+mod guided;
+mod local;
 mod outline;
 mod record;
+mod rollout;
 mod sense;
 mod separation;
 #[cfg(test)]
@@ -18,7 +23,9 @@ mod unicycle;
 
 pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
 pub use course::Course;
+pub use dwa::Dwa;
 pub use execute::{Job, Replanner, execute, execute_on};
+pub use guided::Guided;
 pub use outline::Outline;
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
 pub use sense::{Track, visible};

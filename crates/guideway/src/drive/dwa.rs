@@ -1,0 +1,237 @@
+//! The classic dynamic window approach.
+//!
+//! Source: [fox1997]. `V_s`: limits of the base; `V_d`: what can be reached within a period; `V_a`: what can still be stopped before the first contact on
+//! the arc. The best of `heading`, `dist` and `velocity`, each divided by its sum over the candidates, is driven.
+//! Departures: the angular bound uses the arc's own angle, not metres; contacts include movers at constant velocity, in (arc, time); the distance driven
+//! during the reaction time is taken off the free distance; the target is a point of the planned path ahead (`look_ahead`; infinite means the goal
+//! itself, as in the source); speed is limited so that the base can stop at the goal.
+
+use super::field::{Field, Margins, Met};
+use super::filter::Filter;
+use super::{Command, Controller, Course, Decision, Observation, Reason, Setup, arc};
+use crate::context::Context;
+use crate::error::PlanError;
+use crate::world::shape::wrap;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Parameters of the dynamic window.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Dwa {
+    /// Weight of the heading to the target.
+    pub heading: f64,
+    /// Weight of the free distance along the arc.
+    pub dist: f64,
+    /// Weight of the speed.
+    pub velocity: f64,
+    /// Time in which a new speed must be reached, s.
+    pub period: f64,
+    /// Prediction, s.
+    pub horizon: f64,
+    /// Time that passes before braking begins, s.
+    pub reaction: f64,
+    /// Sampled speeds.
+    pub speeds: u32,
+    /// Sampled turn rates.
+    pub turns: u32,
+    /// Distance kept to obstacles, m.
+    pub safety: f64,
+    /// The target is so far ahead on the path, m.
+    pub look_ahead: f64,
+    /// Trust in each observed pose against odometry, 0 to 1.
+    pub trust: f64,
+    /// Time without progress after which a new plan is asked for, s.
+    pub patience: f64,
+}
+
+impl Default for Dwa {
+    fn default() -> Self {
+        Self {
+            heading: 2.0,
+            dist: 0.2,
+            velocity: 0.2,
+            period: 0.1,
+            horizon: 3.0,
+            reaction: 0.15,
+            speeds: 11,
+            turns: 21,
+            safety: 0.05,
+            look_ahead: 1.0,
+            trust: 0.2,
+            patience: 6.0,
+        }
+    }
+}
+
+impl Dwa {
+    /// The controller for a robot in a world.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for a parameter out of range.
+    pub fn build(self, setup: &Setup) -> Result<Box<dyn Controller>, PlanError> {
+        let named = [
+            ("heading", self.heading),
+            ("dist", self.dist),
+            ("velocity", self.velocity),
+            ("period", self.period),
+            ("horizon", self.horizon),
+            ("reaction", self.reaction),
+            ("safety", self.safety),
+            ("look_ahead", self.look_ahead),
+            ("trust", self.trust),
+            ("patience", self.patience),
+        ];
+        super::controllers::check("dwa", &named)?;
+        super::controllers::samples("dwa", &[("speeds", self.speeds), ("turns", self.turns)])?;
+        Ok(Box::new(Window { p: self, setup: setup.clone(), filter: Filter::new(self.trust.min(1.0)), course: None, s: 0.0, best: (0.0, f64::NAN) }))
+    }
+}
+
+/// A pair of speeds that the base may choose.
+pub(super) struct Candidate {
+    pub v: f64,
+    pub w: f64,
+    /// Free distance along the arc, m, capped.
+    dist: f64,
+}
+
+/// What the critics see besides the candidate.
+struct Target {
+    pose: [f64; 3],
+    point: [f64; 2],
+    period: f64,
+}
+
+/// One line per criterion: name, weight, score (larger is better, not negative).
+type Critic = (&'static str, fn(&Dwa) -> f64, fn(&Candidate, &Target) -> f64);
+const CRITICS: [Critic; 3] = [
+    ("heading", |p| p.heading, |c, target| {
+        let at = arc(target.pose, c.v, c.w, target.period);
+        PI - wrap((target.point[1] - at[1]).atan2(target.point[0] - at[0]) - at[2]).abs()
+    }),
+    ("dist", |p| p.dist, |c, _| c.dist),
+    ("velocity", |p| p.velocity, |c, _| c.v),
+];
+
+/// The dynamic window at work.
+struct Window {
+    p: Dwa,
+    setup: Setup,
+    filter: Filter,
+    course: Option<Arc<Course>>,
+    s: f64,
+    /// Arc length reached, m, and when, s.
+    best: (f64, f64),
+}
+
+impl Controller for Window {
+    fn follow(&mut self, course: &Arc<Course>) {
+        self.course = Some(Arc::clone(course));
+        (self.s, self.best) = (0.0, (0.0, f64::NAN));
+    }
+
+    fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
+        let Some(course) = self.course.clone() else { return Decision::Stop(Reason::new("no course to follow")) };
+        let mut seen = seen.clone();
+        self.filter.apply(&mut seen);
+        let p = [seen.pose[0], seen.pose[1]];
+        self.s = course.project(p, self.s, self.s + 0.5).0;
+        let end = course.end().pose;
+        let left = (end[0] - p[0]).hypot(end[1] - p[1]).max(course.length() - self.s - 0.5);
+        if left < 0.03 {
+            return Decision::Stop(Reason::new("at the end of the path"));
+        }
+        if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
+            self.best = (self.s, seen.time);
+        }
+        if seen.time - self.best.1 > self.p.patience {
+            self.best.1 = seen.time;
+            return Decision::Replan(nearest(&seen));
+        }
+        let ahead = course.at_length(self.s + self.p.look_ahead).pose;
+        let target = Target { pose: seen.pose, point: [ahead[0], ahead[1]], period: self.p.period };
+        self.choose(&seen, &target, left)
+    }
+}
+
+impl Window {
+    fn choose(&self, seen: &Observation, target: &Target, left: f64) -> Decision {
+        let margins = Margins { still: self.p.safety, moving: self.p.safety, growth: 0.0 };
+        let field = Field::new(&self.setup.world, &self.setup.robot, seen, margins, self.p.horizon);
+        let (mut open, mut met) = (Vec::new(), None);
+        for (v, w) in window(&self.setup, seen, [self.p.period, f64::INFINITY], [self.p.speeds, self.p.turns]) {
+            let contact = field.contact(seen.pose, v, w, self.p.horizon);
+            met = met.or(contact.map(|c| c.1));
+            let cap = self.setup.robot.speed * self.p.horizon;
+            let dist = contact.map_or(cap, |(t, _)| (v * t).min(cap));
+            let dist = if v == 0.0 && contact.is_none_or(|c| c.1 != Met::Static) { cap } else { dist };
+            let stops = left + 0.01 >= self.setup.robot.braking_distance(v) + v * self.p.reaction || v <= seen.v;
+            if self.admissible(v, w, dist) && (stops || v == 0.0) {
+                open.push(Candidate { v, w, dist });
+            }
+        }
+        match best(&self.p, &open, target) {
+            Some(c) => Decision::Drive(Command { v: c.v, w: c.w }),
+            None => Decision::Stop(why(met, seen)),
+        }
+    }
+
+    /// Can the base stop before the contact, in distance and in angle?
+    fn admissible(&self, v: f64, w: f64, dist: f64) -> bool {
+        let robot = &self.setup.robot;
+        let free = (dist - v * self.p.reaction).max(0.0);
+        let angle = free * w.abs() / v.max(0.01);
+        v <= (2.0 * free * robot.deceleration).sqrt() && (v == 0.0 || w.abs() <= (2.0 * angle * robot.turn_acceleration).sqrt())
+    }
+}
+
+/// The highest weighted sum of normalised scores; the faster of equals.
+fn best<'c>(p: &Dwa, open: &'c [Candidate], target: &Target) -> Option<&'c Candidate> {
+    let mut total = vec![0.0; open.len()];
+    for (_, weight, score) in CRITICS {
+        let scores: Vec<f64> = open.iter().map(|c| score(c, target)).collect();
+        let sum = scores.iter().sum::<f64>().max(1e-12);
+        total.iter_mut().zip(scores).for_each(|(t, s)| *t += weight(p) * s / sum);
+    }
+    let order = |a: &(usize, &Candidate), b: &(usize, &Candidate)| total[a.0].total_cmp(&total[b.0]).then(a.1.v.total_cmp(&b.1.v));
+    open.iter().enumerate().max_by(order).map(|(_, c)| c)
+}
+
+/// The speeds that can be reached within a `period` (s) and do not exceed `top` (m/s), in a fixed order; the lowest speed and turn rate zero are always
+/// among them.
+pub(super) fn window(setup: &Setup, seen: &Observation, [period, top]: [f64; 2], [speeds, turns]: [u32; 2]) -> Vec<(f64, f64)> {
+    let r = &setup.robot;
+    let (v, w) = (seen.v.clamp(0.0, r.speed), seen.w.clamp(-r.turn_rate, r.turn_rate));
+    let low = (v - r.deceleration * period).max(0.0);
+    let high = (v + r.acceleration * period).min(r.speed).min(top.max(low));
+    let (left, right) = ((w - r.turn_acceleration * period).max(-r.turn_rate), (w + r.turn_acceleration * period).min(r.turn_rate));
+    let step = |a: f64, b: f64, i: u32, n: u32| a + (b - a) * f64::from(i) / f64::from((n - 1).max(1));
+    let mut rates: Vec<f64> = (0..turns).map(|i| step(left, right, i, turns)).collect();
+    if left < 0.0 && right > 0.0 {
+        rates.push(0.0);
+    }
+    (0..speeds).flat_map(|i| rates.iter().map(move |w| (step(low, high, i, speeds), *w))).collect()
+}
+
+/// Why no candidate was left.
+pub(super) fn why(met: Option<Met>, seen: &Observation) -> Reason {
+    match met {
+        Some(Met::Mover(id)) => match seen.tracks.iter().find(|t| t.id == id) {
+            Some(track) => Reason::at(format!("mover {id} is too near"), track),
+            None => Reason::new(format!("mover {id} is too near")),
+        },
+        Some(Met::Static) => Reason::new("no way to stop in time but now"),
+        None => Reason::new("no admissible speed"),
+    }
+}
+
+/// The nearest mover within 2 m as what is in the way.
+pub(super) fn nearest(seen: &Observation) -> Reason {
+    let p = [seen.pose[0], seen.pose[1]];
+    let near = seen.tracks.iter().map(|t| (t.distance(p, 0.0), t)).filter(|(d, _)| *d < 2.0).min_by(|a, b| a.0.total_cmp(&b.0));
+    match near {
+        Some((_, track)) => Reason::at(format!("no progress, mover {} is near", track.id), track),
+        None => Reason::new("no progress"),
+    }
+}

@@ -1,0 +1,81 @@
+//! The next metres of a course, as predictions read them.
+
+use super::Course;
+use crate::Point;
+use crate::world::shape::wrap;
+
+/// Spacing, m.
+const STEP: f64 = 0.05;
+/// Reference speeds are the largest within this distance ahead, m: a motion that starts at rest would never leave it else.
+const AHEAD: f64 = 0.15;
+
+/// One point of the path ahead.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Mark {
+    /// Arc length, m.
+    pub s: f64,
+    pub point: Point,
+    /// Heading (rad) as its cosine and sine, too.
+    pub yaw: f64,
+    pub along: Point,
+    /// 1/m.
+    pub curvature: f64,
+    /// Reference speed, m/s.
+    pub speed: f64,
+}
+
+/// Marks every 0.05 m.
+pub(super) struct Local {
+    marks: Vec<Mark>,
+    /// Length of the whole course, m.
+    pub length: f64,
+}
+
+impl Local {
+    /// The course from `s` on for `reach` m.
+    pub fn new(course: &Course, s: f64, reach: f64) -> Self {
+        let n = (reach / STEP).ceil().max(1.0) as usize;
+        let k = (AHEAD / STEP) as usize;
+        let states: Vec<_> = (0..=n + k).map(|i| course.at_length(s + STEP * i as f64)).collect();
+        let mark = |i: usize| {
+            let (at, ahead) = (&states[i], states[i..=i + k].iter().map(|q| q.speed).fold(0.0, f64::max));
+            let (sin, cos) = at.pose[2].sin_cos();
+            Mark { s: at.s, point: [at.pose[0], at.pose[1]], yaw: at.pose[2], along: [cos, sin], curvature: at.curvature, speed: ahead }
+        };
+        Self { marks: (0..=n).map(mark).collect(), length: course.length() }
+    }
+
+    /// The first mark.
+    pub fn first(&self) -> &Mark {
+        &self.marks[0]
+    }
+
+    /// Index of the nearest mark, found by going on from `i`.
+    #[inline]
+    pub fn onward(&self, mut i: usize, p: Point) -> usize {
+        let d2 = |i: usize| (self.marks[i].point[0] - p[0]).powi(2) + (self.marks[i].point[1] - p[1]).powi(2);
+        let mut here = d2(i);
+        while i + 1 < self.marks.len() {
+            let next = d2(i + 1);
+            if next > here {
+                break;
+            }
+            (i, here) = (i + 1, next);
+        }
+        i
+    }
+
+    /// The mark at index `i`.
+    #[inline]
+    pub fn mark(&self, i: usize) -> &Mark {
+        &self.marks[i]
+    }
+
+    /// Arc length (m), distance to the left (m) and heading (rad) of a pose relative to mark `i`.
+    pub fn relative(&self, i: usize, pose: [f64; 3]) -> [f64; 3] {
+        let m = &self.marks[i];
+        let (dx, dy) = (pose[0] - m.point[0], pose[1] - m.point[1]);
+        let along = (m.along[0] * dx + m.along[1] * dy).clamp(-STEP, STEP);
+        [(m.s + along).min(self.length), m.along[0] * dy - m.along[1] * dx, wrap(pose[2] - m.yaw)]
+    }
+}

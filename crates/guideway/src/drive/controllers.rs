@@ -1,6 +1,6 @@
 //! Every controller, one line each.
 
-use super::{Controller, Dwa, Guided, Robot, Tracker};
+use super::{Controller, Dwa, Predictive, Robot, Tracker};
 use crate::error::PlanError;
 use crate::plan::Parameter;
 use crate::world::World;
@@ -56,8 +56,8 @@ macro_rules! controller {
 /// Every controller; the first is the default.
 pub const CONTROLLERS: &[ControllerEntry] = &[
     controller!(
-        "guided-dwa",
-        Guided,
+        "predictive-dwa",
+        Predictive,
         "fox1997, kanayama1990",
         "dynamic window steered by the planned motion; only commands from which a full stop stays free",
         [

@@ -2,7 +2,7 @@
 
 use crate::Point;
 use crate::error::PlanError;
-use crate::timing::{Piece, State, Trajectory};
+use crate::timing::{State, Trajectory};
 use crate::world::shape::wrap;
 
 /// Sampling step, s.
@@ -27,7 +27,7 @@ impl Course {
             return Err(PlanError::bad("trajectory", shown, format!("at least one piece, a planar path and at most {} s", STEP * MOST)));
         }
         let n = (duration / STEP).ceil().max(1.0);
-        Self::from_states((0..=n as usize).map(|i| sample(trajectory, duration * i as f64 / n)).collect())
+        Self::from_states((0..=n as usize).map(|i| trajectory.at(duration * i as f64 / n)).collect())
     }
 
     /// A course from states in time order, at least one.
@@ -118,30 +118,5 @@ impl Course {
             }
         }
         (best.0.max(from.min(self.length())), best.1)
-    }
-}
-
-/// State of a trajectory at time `t`, s.
-fn sample(trajectory: &Trajectory, t: f64) -> State {
-    let start = |p: &Piece| match p {
-        Piece::Along { t, .. } | Piece::Turn { t, .. } => *t,
-    };
-    let i = trajectory.pieces.partition_point(|p| start(p) <= t).saturating_sub(1);
-    match trajectory.pieces[i] {
-        Piece::Along { t: t0, s, speed, acceleration, jerk, .. } => {
-            let h = t - t0;
-            let s = s + h * (speed + h * (acceleration / 2.0 + h * jerk / 6.0));
-            let (v, a) = (speed + h * (acceleration + h * jerk / 2.0), acceleration + h * jerk);
-            let at = trajectory.path.planar(s);
-            let pose = [at.point[0], at.point[1], at.heading];
-            State { t, s, pose, speed: v, acceleration: a, jerk, curvature: at.curvature, turn_rate: v * at.curvature }
-        }
-        Piece::Turn { turn, t: t0, duration, s, from } => {
-            let r = if duration > 0.0 { ((t - t0) / duration).clamp(0.0, 1.0) } else { 1.0 };
-            let at = trajectory.path.planar(s).point;
-            let (share, rate) = (r * r * (3.0 - 2.0 * r), 6.0 * r * (1.0 - r) / duration.max(1e-9));
-            let pose = [at[0], at[1], wrap(from + turn * share)];
-            State { t, s, pose, speed: 0.0, acceleration: 0.0, jerk: 0.0, curvature: 0.0, turn_rate: turn * rate }
-        }
     }
 }

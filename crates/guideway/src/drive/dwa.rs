@@ -106,10 +106,14 @@ struct Target {
 /// One line per criterion: name, weight, score (larger is better, not negative).
 type Critic = (&'static str, fn(&Dwa) -> f64, fn(&Candidate, &Target) -> f64);
 const CRITICS: [Critic; 3] = [
-    ("heading", |p| p.heading, |c, target| {
-        let at = arc(target.pose, c.v, c.w, target.period);
-        PI - wrap((target.point[1] - at[1]).atan2(target.point[0] - at[0]) - at[2]).abs()
-    }),
+    (
+        "heading",
+        |p| p.heading,
+        |c, target| {
+            let at = arc(target.pose, c.v, c.w, target.period);
+            PI - wrap((target.point[1] - at[1]).atan2(target.point[0] - at[0]) - at[2]).abs()
+        },
+    ),
     ("dist", |p| p.dist, |c, _| c.dist),
     ("velocity", |p| p.velocity, |c, _| c.v),
 ];

@@ -207,7 +207,7 @@ impl<'a> Drive<'a> {
 
     /// The command that a decision means.
     fn obey(&mut self, decision: Decision, seen: &Observation, controller: &mut dyn Controller, ctx: &mut Context) -> Command {
-        let fast = self.log.driven.last().is_some_and(|r| r[4].abs() > 0.1);
+        let fast = self.log.driven.last().is_some_and(|r| r[4].abs() > 0.2);
         let (reason, replan) = match decision {
             Decision::Drive(command) => {
                 if self.stopping.take().is_some() {

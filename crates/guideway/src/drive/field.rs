@@ -75,12 +75,11 @@ impl<'a> Field<'a> {
 
     /// Distance of the reference point to the border and a little beyond, m.
     fn border(&self, p: Point) -> f64 {
-        let (q, low, high, scale) = match self.world.grid() {
-            Some(grid) => (grid.to_cells(p), [0.0; 2], [f64::from(grid.width()), f64::from(grid.height())], grid.resolution()),
-            None => {
-                let [x0, y0, x1, y1] = self.world.bounds();
-                (p, [x0, y0], [x1, y1], 1.0)
-            }
+        let (q, low, high, scale) = if let Some(grid) = self.world.grid() {
+            (grid.to_cells(p), [0.0; 2], [f64::from(grid.width()), f64::from(grid.height())], grid.resolution())
+        } else {
+            let [x0, y0, x1, y1] = self.world.bounds();
+            (p, [x0, y0], [x1, y1], 1.0)
         };
         (0..2).map(|k| (q[k] - low[k]).min(high[k] - q[k])).fold(f64::INFINITY, f64::min) * scale + BORDER
     }

@@ -9,9 +9,9 @@ mod dwa;
 mod execute;
 mod field;
 mod filter;
-mod guided;
 mod local;
 mod outline;
+mod predictive;
 mod record;
 mod rollout;
 mod sense;
@@ -25,8 +25,8 @@ pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
 pub use course::Course;
 pub use dwa::Dwa;
 pub use execute::{Job, Replanner, execute, execute_on};
-pub use guided::Guided;
 pub use outline::Outline;
+pub use predictive::Predictive;
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
 pub use sense::{Track, visible};
 pub use tracker::Tracker;
@@ -36,6 +36,7 @@ use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Limits;
+use crate::timing::{DEFAULT_TURN_ACCELERATION, DEFAULT_TURN_RATE};
 use crate::world::Footprint;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -59,7 +60,8 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// A robot from its footprint and limits. A turn rate or acceleration that is unlimited becomes 2 rad/s or 6 rad/s2: a plant needs a number.
+    /// A robot from its footprint and limits. A turn rate or acceleration that is unlimited becomes
+    /// [`crate::timing::DEFAULT_TURN_RATE`] or [`crate::timing::DEFAULT_TURN_ACCELERATION`]: a plant needs a number.
     /// # Errors
     /// [`PlanError::BadParameter`] for limits out of range.
     pub fn new(footprint: Footprint, limits: &Limits) -> Result<Self, PlanError> {
@@ -69,8 +71,8 @@ impl Robot {
             speed: l.speed,
             acceleration: l.acceleration,
             deceleration: l.deceleration,
-            turn_rate: l.turn_rate.unwrap_or(2.0),
-            turn_acceleration: l.turn_acceleration.unwrap_or(6.0),
+            turn_rate: l.turn_rate.unwrap_or(DEFAULT_TURN_RATE),
+            turn_acceleration: l.turn_acceleration.unwrap_or(DEFAULT_TURN_ACCELERATION),
         })
     }
 

@@ -34,7 +34,7 @@ pub struct Run {
     pub replans: u32,
     /// Smallest distances of the true footprint, continuous in time.
     pub min_separation: Separation,
-    /// Times a controller stopped or replanned while the base moved faster than 0.1 m/s.
+    /// Times a controller stopped or replanned while the base moved faster than 0.2 m/s.
     pub emergency_stops: u32,
     /// Wall-clock time of one decision, s.
     pub step_seconds: Percentiles,

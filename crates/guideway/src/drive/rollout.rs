@@ -11,6 +11,8 @@ const STEP: f64 = 0.05;
 const SPIN: f64 = 3.0;
 /// Heading errors above this are turned in place, rad.
 const PLACE: f64 = 0.7;
+/// Speed over distance left on the last bit, 1/s.
+const SOFT: f64 = 2.5;
 /// Share of the deceleration that is planned with.
 const EASY: f64 = 0.8;
 
@@ -63,7 +65,7 @@ impl Predictor<'_> {
     pub fn wanted(&self, way: Way, sim: &Sim) -> (f64, f64) {
         let mark = self.local.mark(sim.mark);
         let left = (self.local.length - self.local.relative(sim.mark, sim.pose)[0]).max(0.0);
-        let stop = (2.0 * EASY * self.robot.deceleration * left).sqrt().min(4.0 * left);
+        let stop = approach(EASY * self.robot.deceleration, left);
         match way {
             Way::Arc { v, w } => (v.min(stop), w),
             Way::Heading { yaw, v } => {
@@ -169,4 +171,10 @@ impl Predictor<'_> {
             t += time.max(STEP);
         }
     }
+}
+
+/// Speed (m/s) from which the base stops at `left` m with deceleration `a` (m/s2), and comes to rest softly over the last `a / SOFT^2` m.
+fn approach(a: f64, left: f64) -> f64 {
+    let soft = a / (SOFT * SOFT);
+    if left < soft { SOFT * left } else { (2.0 * a * (left - 0.5 * soft)).sqrt() }
 }

@@ -5,7 +5,7 @@ use crate::Point;
 use crate::context::Context;
 use crate::path::Path;
 use crate::query::{Limits, Query};
-use crate::timing::{Piece, Trajectory};
+use crate::timing::{Piece, TimingOptions, Trajectory, time};
 use crate::world::shape::{distance, wrap};
 use crate::world::{Footprint, Loop, Mover, Shape, World};
 use std::sync::Arc;
@@ -40,6 +40,34 @@ pub fn legs(points: &[Point], limits: Limits) -> Trajectory {
     Trajectory { path: Path::polyline(points), pieces, limits }
 }
 
+/// A cubic B-spline with these control points, driven at 0.9 of the limits.
+pub fn curve(control: &[Point]) -> Trajectory {
+    let n = control.len();
+    let knots = (0..n + 4).map(|i| i.clamp(3, n) as f64 - 3.0).collect();
+    let path = Path::new(3, 2, knots, control.iter().flatten().copied().collect()).unwrap();
+    let full = limits();
+    let slower = Limits { speed: 0.9 * full.speed, acceleration: 0.8 * full.acceleration, deceleration: 0.8 * full.deceleration, jerk: 5.0, ..full };
+    let mut trajectory = time(&path, &slower, &TimingOptions::default(), &mut Context::new(0)).unwrap();
+    trajectory.limits = full;
+    trajectory
+}
+
+/// Drives a trajectory with a controller; `change` edits the job.
+pub fn drive_along(
+    name: &str,
+    query: &Query,
+    (trajectory, replanner): (&Trajectory, Option<&Replanner>),
+    seed: u64,
+    change: impl FnOnce(&mut Job),
+) -> Run {
+    let mut job = Job::new(query, trajectory).unwrap();
+    job.replanner = replanner;
+    change(&mut job);
+    let setup = Setup { world: Arc::clone(&query.world), robot: job.robot.clone(), clearance: query.clearance };
+    let mut chosen = controller(name, serde_json::Value::Null, &setup).unwrap();
+    execute(&job, chosen.as_mut(), &mut Context::new(seed)).unwrap()
+}
+
 /// A room with shapes and movers.
 pub fn room(bounds: [f64; 4], shapes: Vec<Shape>, movers: Vec<Mover>) -> Arc<World> {
     Arc::new(World::from_shapes(bounds, shapes, 0.05).unwrap().with_movers(movers))
@@ -71,11 +99,5 @@ pub fn drive(name: &str, query: &Query, points: &[Point], seed: u64, change: imp
 
 /// As [`drive`], with a replanner.
 pub fn drive_with(name: &str, query: &Query, (points, replanner): (&[Point], Option<&Replanner>), seed: u64, change: impl FnOnce(&mut Job)) -> Run {
-    let trajectory = legs(points, limits());
-    let mut job = Job::new(query, &trajectory).unwrap();
-    job.replanner = replanner;
-    change(&mut job);
-    let setup = Setup { world: Arc::clone(&query.world), robot: job.robot.clone(), clearance: query.clearance };
-    let mut chosen = controller(name, serde_json::Value::Null, &setup).unwrap();
-    execute(&job, chosen.as_mut(), &mut Context::new(seed)).unwrap()
+    drive_along(name, query, (&legs(points, limits()), replanner), seed, change)
 }

@@ -29,14 +29,17 @@ const GO_ON: [f64; 5] = [0.0, 0.2, 0.4, 0.7, 1.0];
 /// Headings tried to get out of the way.
 const ROUND: u32 = 12;
 /// Room to movers above which they no longer count as near, m.
-const NEAR: f64 = 0.5;
+const NEAR: f64 = 1.0;
 /// Distance to the end of the path that counts as there, m.
 const THERE: f64 = 0.03;
+/// Distance beside the end of the path that counts as there, m, and the speed at which the robot goes there from farther away, m/s.
+const BESIDE: f64 = 0.06;
+const HOMING: f64 = 0.3;
 
-/// Parameters of the guided dynamic window.
+/// Parameters of the predictive dynamic window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Guided {
+pub struct Predictive {
     /// Weight of the progress along the path, as a share of what the reference speed allows.
     pub progress: f64,
     /// Weight of the distance from the path, 1/m.
@@ -75,7 +78,7 @@ pub struct Guided {
     pub patience: f64,
 }
 
-impl Default for Guided {
+impl Default for Predictive {
     fn default() -> Self {
         Self {
             progress: 1.0,
@@ -100,7 +103,7 @@ impl Default for Guided {
     }
 }
 
-impl Guided {
+impl Predictive {
     /// The controller for a robot in a world.
     /// # Errors
     /// [`PlanError::BadParameter`] for a parameter out of range.
@@ -123,18 +126,27 @@ impl Guided {
             ("trust", self.trust),
             ("patience", self.patience),
         ];
-        super::controllers::check("guided-dwa", &named)?;
-        super::controllers::samples("guided-dwa", &[("speeds", self.speeds), ("turns", self.turns)])?;
+        super::controllers::check("predictive-dwa", &named)?;
+        super::controllers::samples("predictive-dwa", &[("speeds", self.speeds), ("turns", self.turns)])?;
         let still = self.margin.unwrap_or((0.5 * setup.clearance).clamp(0.02, 0.1));
         let margins = Margins { still, moving: self.keep, growth: self.growth };
         let filter = Filter::new(self.trust.min(1.0));
-        Ok(Box::new(Steering { p: self, setup: setup.clone(), margins, filter, course: None, s: 0.0, best: (0.0, f64::NAN), last: (Command::default(), None) }))
+        Ok(Box::new(Steering {
+            p: self,
+            setup: setup.clone(),
+            margins,
+            filter,
+            course: None,
+            s: 0.0,
+            best: (0.0, f64::NAN),
+            last: (Command::default(), None),
+        }))
     }
 }
 
-/// The guided window at work.
+/// The predictive window at work.
 struct Steering {
-    p: Guided,
+    p: Predictive,
     setup: Setup,
     margins: Margins,
     filter: Filter,
@@ -187,9 +199,7 @@ impl Steering {
     /// At the last point: the last turn in place, then rest.
     fn at_the_end(&self, course: &Course, seen: &Observation) -> Option<Decision> {
         let end = course.end().pose;
-        let left = (course.length() - self.s).max(0.0);
-        let off = (end[0] - seen.pose[0]).hypot(end[1] - seen.pose[1]);
-        if left > THERE || (off > 0.5 && left > 0.0) {
+        if course.length() - self.s > THERE || off(end, seen) > BESIDE {
             return None;
         }
         let arrival = course.states().iter().rev().find(|q| q.s < course.length() - 1e-6).map_or(end[2], |q| q.pose[2]);
@@ -208,7 +218,7 @@ impl Steering {
         let local = Local::new(course, self.s, robot.speed * (self.p.horizon + 0.5) + 0.5);
         let predictor = Predictor { field: &field, local: &local, robot };
         let start = Sim { pose: seen.pose, v: seen.v.max(0.0), w: seen.w, mark: 0 };
-        let ways = self.ways(seen, local.first().speed);
+        let ways = if course.length() - self.s > THERE { self.ways(seen, local.first().speed) } else { home(course.end().pose, seen) };
         let mut met = None;
         let mut best = self.best_of(&predictor, &start, &ways, &mut met);
         if best.as_ref().is_none_or(|b| b.exposed) {
@@ -247,7 +257,7 @@ impl Steering {
             if exposed.is_none() && start.v.max(v) > 0.05 {
                 score -= self.p.doubt * (-stop.doubt / NEAR).clamp(0.0, 1.0);
             }
-            if self.last.1 == Some(side(*way)) {
+            if beside(*way) && self.last.1 == Some(side(*way)) {
                 score += self.p.keep_on;
             }
             if best.as_ref().is_none_or(|b| score > b.score) {
@@ -292,6 +302,12 @@ impl Steering {
         let (from, middle, end) = (place(start), place(&on.middle), place(&on.end));
         let reach = (local.first().speed.max(0.2) * p.horizon).min((local.length - from[0]).max(0.3));
         let mut score = p.progress * (end[0] - from[0]) / reach;
+        if local.length - from[0] <= THERE {
+            // Home: nearer to the last point is better.
+            let goal = local.mark(0).point;
+            let far = |sim: &Sim| (sim.pose[0] - goal[0]).hypot(sim.pose[1] - goal[1]);
+            score += p.progress * (far(start) - far(&on.end));
+        }
         score -= p.deviation * (0.6 * middle[1].abs() + 0.4 * end[1].abs()) + p.heading * end[2].abs();
         score -= p.near * (1.0 - on.gap / NEAR).clamp(0.0, 1.0);
         score -= p.change * ((command.v - self.last.0.v).abs() + 0.3 * (command.w - self.last.0.w).abs());
@@ -304,6 +320,23 @@ impl Steering {
         }
         score
     }
+}
+
+/// Distance from the end pose, m.
+fn off(end: [f64; 3], seen: &Observation) -> f64 {
+    (end[0] - seen.pose[0]).hypot(end[1] - seen.pose[1])
+}
+
+/// Beside the end of the path: straight to it, or wait.
+fn home(end: [f64; 3], seen: &Observation) -> Vec<Way> {
+    let yaw = (end[1] - seen.pose[1]).atan2(end[0] - seen.pose[0]);
+    let v = off(end, seen).min(HOMING);
+    [1.0, 0.5, 0.0].map(|share| Way::Heading { yaw, v: share * v }).to_vec()
+}
+
+/// Does it leave the path for a line beside it?
+fn beside(way: Way) -> bool {
+    matches!(way, Way::Follow { offset, .. } if offset != 0.0)
 }
 
 /// Which line beside the path a manoeuvre leads to, in tenths of a metre; arcs share one number.

@@ -34,8 +34,14 @@ pub(super) struct Fit<'a> {
 type Blame = Vec<usize>;
 
 impl<'a> Fit<'a> {
-    pub fn new(smooth: Smooth, query: &'a Query, chain: Vec<Pulley>) -> Self {
-        Self { smooth, query, chain, radius: query.radius(), smallest: smooth.smallest * query.world.resolution() }
+    pub fn new(smooth: Smooth, query: &'a Query, mut chain: Vec<Pulley>) -> Self {
+        let smallest = smooth.smallest * query.world.resolution();
+        for pulley in &mut chain {
+            if pulley.radius < smallest {
+                pulley.radius = 0.0;
+            }
+        }
+        Self { smooth, query, chain, radius: query.radius(), smallest }
     }
 
     /// Shrinks bends until the whole spline is proved. Also returns the raw legs that are not free as the planner gave them.
@@ -102,7 +108,8 @@ impl<'a> Fit<'a> {
                 pulley.face(a.heading, b.heading);
                 let ends = [i == 1, i + 2 == self.chain.len()];
                 let cap = self.smooth.cap(pulley.turn, [room(distance(a.from, a.to), ends[0]), room(distance(b.from, b.to), ends[1])], true);
-                pulley.radius = if pulley.turn.abs() < 1e-7 { 0.0 } else { cap.min(pulley.cap) };
+                let radius = cap.min(pulley.cap);
+                pulley.radius = if pulley.turn.abs() < 1e-7 || radius < self.smallest { 0.0 } else { radius };
             }
             self.chain[i] = pulley;
         }
@@ -159,7 +166,7 @@ impl<'a> Fit<'a> {
 
     fn enlarge(&mut self, i: usize) {
         let cap = self.chain[i].cap;
-        if self.chain[i].radius == 0.0 {
+        if cap >= self.smallest && self.chain[i].radius == 0.0 {
             let smallest = self.smallest;
             let first = (1..10).map(|k| cap * 0.5f64.powi(k)).take_while(|r| *r >= smallest).find(|r| self.try_radius(i, *r));
             if first.is_none() {
@@ -167,7 +174,7 @@ impl<'a> Fit<'a> {
             }
         }
         for factor in GROWTH {
-            while self.chain[i].radius < cap && self.try_radius(i, (self.chain[i].radius * factor).min(cap)) {}
+            while self.chain[i].radius > 0.0 && self.chain[i].radius < cap && self.try_radius(i, (self.chain[i].radius * factor).min(cap)) {}
         }
     }
 
@@ -185,7 +192,7 @@ impl<'a> Fit<'a> {
         let kept = self.chain[i].radius;
         self.chain[i].mode = Mode::Outside;
         let mut radius = self.chain[i].cap;
-        while radius > 1.5 * kept {
+        while radius > (1.5 * kept).max(self.smallest) {
             if self.try_radius(i, radius) {
                 return;
             }

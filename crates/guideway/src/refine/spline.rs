@@ -71,7 +71,7 @@ fn spacing(part: &Part) -> f64 {
 fn arc(part: &Part, via: Option<f64>, breaks: &mut Vec<f64>) {
     let cuts: Vec<f64> = std::iter::once(0.0).chain(via).chain(std::iter::once(part.length)).collect();
     for w in cuts.windows(2) {
-        let n = ((w[1] - w[0]) / spacing(part) - 1e-9).ceil().max(1.0);
+        let n = ((w[1] - w[0]) / spacing(part) - 1e-9).ceil().clamp(1.0, 64.0);
         breaks.extend((1..n as u32).map(|k| part.start + w[0] + (w[1] - w[0]) * f64::from(k) / n));
         if w[1] < part.length {
             breaks.push(part.start + w[1]);

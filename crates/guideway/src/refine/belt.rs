@@ -7,8 +7,8 @@ use crate::Point;
 use crate::world::shape::{cross, distance, dot, norm, sub, wrap};
 use std::f64::consts::PI;
 
-/// Way by which an arc passes outside its corner, as a share of its radius: room for the chords of the exported polyline.
-const MARGIN: f64 = 1e-3;
+/// Way by which an arc passes outside its corner, as a share of its height over its chord: room for the chords of the exported polyline.
+const MARGIN: f64 = 0.01;
 /// Largest turn of one knot span on an arc, rad.
 const SPAN: f64 = PI / 10.0;
 /// Fewest knot spans on an arc.
@@ -44,6 +44,8 @@ pub(super) struct Pulley {
     pub cap: f64,
     /// Signed turn of the raw path, rad.
     pub turn: f64,
+    /// The belt must not pass over it.
+    pub held: bool,
     /// Unit vector from the centre of the turn to its apex.
     outward: Point,
 }
@@ -51,7 +53,7 @@ pub(super) struct Pulley {
 impl Pulley {
     /// A point that the path starts from, ends at or goes through.
     pub fn point(at: Point, mode: Mode) -> Self {
-        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, outward: [0.0, 0.0] }
+        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, outward: [0.0, 0.0] }
     }
 
     /// Reference point, m.
@@ -66,33 +68,49 @@ impl Pulley {
         self.outward = [self.sign() * middle.sin(), -self.sign() * middle.cos()];
     }
 
+    /// May the belt pass over it, as number `k` of `n` on the belt?
+    fn may_slip(&self, k: usize, n: usize) -> bool {
+        k > 0 && k + 1 < n && self.mode != Mode::Through && !self.held
+    }
+
     /// 1 for a left turn, -1 for a right turn.
     pub fn sign(&self) -> f64 {
         if self.turn < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// Centre of the turn, m; `None` if the circle is too small to go around all its way points.
-    fn center(&self) -> Option<Point> {
+    /// The circle of a turn by `sweep` rad; `None` if it is too small to go around all its way points.
+    pub fn wheel(&self, sweep: f64) -> Option<Wheel> {
         let (at, r, n) = (self.at(), self.radius, self.outward);
-        if r == 0.0 {
-            return Some(at);
-        }
         let depth = match self.mode {
+            _ if r == 0.0 => 0.0,
             Mode::Through => r,
             Mode::Inside => r / (self.turn / 2.0).cos(),
             Mode::Outside => {
-                // The spline runs inside its guide by (span length)^2 / (6 r).
-                let span = self.turn.abs() / spans(self.turn.abs());
-                let inner = r * (1.0 - MARGIN - span * span / 6.0);
-                let depths = self.contacts.iter().map(|p| {
+                // The spline runs inside its guide by (span length)^2 / (6 r), and the chords inside the spline.
+                let span = sweep / spans(sweep);
+                let inner = r * (1.0 - 1e-7 - MARGIN * (1.0 - (sweep / 2.0).cos()) - span * span / 6.0);
+                let mut depth = f64::INFINITY;
+                for p in &self.contacts {
                     let v = sub(*p, at);
-                    (inner * inner - cross(n, v) * cross(n, v)).max(-1.0).sqrt() - dot(n, v)
-                });
-                depths.fold(f64::INFINITY, |a, b| if b.is_nan() { b } else { a.min(b) })
+                    let square = inner * inner - cross(n, v) * cross(n, v);
+                    if square < 0.0 {
+                        return None;
+                    }
+                    depth = depth.min(square.sqrt() - dot(n, v));
+                }
+                depth
             }
         };
-        depth.is_finite().then(|| [at[0] - depth * n[0], at[1] - depth * n[1]])
+        depth.is_finite().then(|| Wheel { center: [at[0] - depth * n[0], at[1] - depth * n[1]], radius: self.sign() * r })
     }
+}
+
+/// A circle with a sense of turning.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wheel {
+    center: Point,
+    /// Signed, positive to the left, m.
+    radius: f64,
 }
 
 /// A straight stretch between two pulleys.
@@ -104,10 +122,8 @@ pub(super) struct Leg {
 }
 
 /// The tangent that leaves `a` and arrives at `b` in their senses of turning.
-pub(super) fn tangent(a: &Pulley, b: &Pulley) -> Option<Leg> {
-    let (ca, cb) = (a.center()?, b.center()?);
-    let (ka, kb) = (a.sign() * a.radius, b.sign() * b.radius);
-    let (d, k) = (sub(cb, ca), kb - ka);
+pub(super) fn tangent(a: Wheel, b: Wheel) -> Option<Leg> {
+    let (d, k) = (sub(b.center, a.center), b.radius - a.radius);
     let square = dot(d, d);
     if square <= k * k * (1.0 + 1e-12) || square == 0.0 {
         return None;
@@ -115,7 +131,7 @@ pub(super) fn tangent(a: &Pulley, b: &Pulley) -> Option<Leg> {
     let l = (square - k * k).sqrt();
     let u = [(l * d[0] + k * d[1]) / square, (l * d[1] - k * d[0]) / square];
     let touch = |c: Point, k: f64| [c[0] + k * u[1], c[1] - k * u[0]];
-    Some(Leg { from: touch(ca, ka), to: touch(cb, kb), heading: u[1].atan2(u[0]) })
+    Some(Leg { from: touch(a.center, a.radius), to: touch(b.center, b.radius), heading: u[1].atan2(u[0]) })
 }
 
 /// One stretch of the guide.
@@ -133,8 +149,8 @@ pub(super) struct Part {
     pub form: Form,
     pub start: f64,
     pub length: f64,
-    /// Pulley that the arc is around, or that the line leaves.
-    pub pulley: usize,
+    /// Pulleys that the line is between; the pulley of the arc, twice.
+    pub pulleys: [usize; 2],
 }
 
 impl Part {
@@ -163,9 +179,9 @@ pub(super) struct Guide {
 }
 
 impl Guide {
-    fn push(&mut self, form: Form, length: f64, pulley: usize) {
+    fn push(&mut self, form: Form, length: f64, pulleys: [usize; 2]) {
         if length > 0.0 {
-            self.parts.push(Part { form, start: self.length, length, pulley });
+            self.parts.push(Part { form, start: self.length, length, pulleys });
             self.length += length;
         }
     }
@@ -173,10 +189,7 @@ impl Guide {
     /// The belt around `chain`. `open` tells for either end that the chain goes on there: the guide then starts or ends in the middle of the leg.
     /// On failure the index of a pulley that must shrink together with its neighbours.
     pub fn around(chain: &[Pulley], open: [bool; 2]) -> Result<Self, usize> {
-        let mut legs = Vec::with_capacity(chain.len());
-        for (i, pair) in chain.windows(2).enumerate() {
-            legs.push(tangent(&pair[0], &pair[1]).ok_or(i)?);
-        }
+        let Wound { active, wheels, mut legs } = wind(chain)?;
         let Some(last) = legs.len().checked_sub(1) else { return Err(0) };
         let middle = |leg: &Leg| [f64::midpoint(leg.from[0], leg.to[0]), f64::midpoint(leg.from[1], leg.to[1])];
         if open[0] {
@@ -186,18 +199,19 @@ impl Guide {
             legs[last].to = middle(&legs[last]);
         }
         let mut guide = Self { ends: [legs[0].from, legs[last].to], ..Self::default() };
-        for (i, leg) in legs.iter().enumerate() {
+        for (k, leg) in legs.iter().enumerate() {
             let (s, c) = leg.heading.sin_cos();
-            guide.push(Form::Line { from: leg.from, along: [c, s] }, distance(leg.from, leg.to), i);
-            if i < last {
-                guide.join(&chain[i + 1], i + 1, leg.heading, legs[i + 1].heading)?;
+            let (i, next) = (active[k], active[k + 1]);
+            guide.push(Form::Line { from: leg.from, along: [c, s] }, distance(leg.from, leg.to), [i, next]);
+            if k < last {
+                guide.join(&chain[next], next, wheels[k + 1].center, [leg.heading, legs[k + 1].heading])?;
             }
         }
         Ok(guide)
     }
 
     /// Adds the arc or the corner between two legs.
-    fn join(&mut self, pulley: &Pulley, index: usize, heading_in: f64, heading_out: f64) -> Result<(), usize> {
+    fn join(&mut self, pulley: &Pulley, index: usize, center: Point, [heading_in, heading_out]: [f64; 2]) -> Result<(), usize> {
         let turn = wrap(heading_out - heading_in);
         if pulley.radius == 0.0 {
             if turn.abs() > 1e-9 {
@@ -209,7 +223,6 @@ impl Guide {
         if !(-1e-9..=SHARPEST).contains(&sweep) {
             return Err(index); // the belt runs past the pulley, or nearly back on itself
         }
-        let Some(center) = pulley.center() else { return Err(index) };
         if pulley.mode == Mode::Through {
             let (sign, n) = (pulley.sign(), pulley.outward);
             let apex = sign * wrap((sign * n[0]).atan2(-sign * n[1]) - heading_in);
@@ -218,7 +231,7 @@ impl Guide {
             }
             self.through.push((self.length + apex * pulley.radius, pulley.at()));
         }
-        self.push(Form::Arc { center, radius: pulley.sign() * pulley.radius, heading: heading_in }, sweep.max(0.0) * pulley.radius, index);
+        self.push(Form::Arc { center, radius: pulley.sign() * pulley.radius, heading: heading_in }, sweep.max(0.0) * pulley.radius, [index, index]);
         Ok(())
     }
 
@@ -226,6 +239,55 @@ impl Guide {
     pub fn at(&self, s: f64) -> Point {
         let i = self.parts.partition_point(|part| part.start <= s).max(1) - 1;
         self.parts.get(i).map_or(self.ends[0], |part| part.at((s - part.start).clamp(0.0, part.length)))
+    }
+}
+
+/// A belt as it lies: the pulleys that it touches, their wheels, and the legs between them.
+struct Wound {
+    active: Vec<usize>,
+    wheels: Vec<Wheel>,
+    legs: Vec<Leg>,
+}
+
+/// Lays the belt. A pulley that its neighbours push off the belt is passed over. How far a wheel stands out depends on the sweep of its arc and that
+/// on the wheels: two rounds settle it. On failure the index of a pulley that is in the way.
+fn wind(chain: &[Pulley]) -> Result<Wound, usize> {
+    let mut active: Vec<usize> = (0..chain.len()).collect();
+    let mut sweeps: Vec<f64> = chain.iter().map(|p| p.turn.abs()).collect();
+    let mut round = 0;
+    loop {
+        let wheels = active.iter().map(|&i| chain[i].wheel(sweeps[i]).ok_or(i)).collect::<Result<Vec<_>, _>>()?;
+        let mut legs = Vec::with_capacity(wheels.len());
+        let mut slack = None;
+        for (k, w) in wheels.windows(2).enumerate() {
+            if let Some(leg) = tangent(w[0], w[1]) {
+                legs.push(leg);
+                continue;
+            }
+            // One wheel inside the other.
+            let inner = if w[0].radius.abs() < w[1].radius.abs() { k } else { k + 1 };
+            if w[0].radius * w[1].radius < 0.0 || !chain[active[inner]].may_slip(inner, wheels.len()) {
+                return Err(active[k]);
+            }
+            slack = Some(inner);
+            break;
+        }
+        if slack.is_none() {
+            let mut worst = -1e-9;
+            for (k, w) in legs.windows(2).enumerate() {
+                let pulley = &chain[active[k + 1]];
+                let sweep = pulley.sign() * wrap(w[1].heading - w[0].heading);
+                sweeps[active[k + 1]] = sweep.clamp(0.0, PI);
+                if sweep < worst && pulley.may_slip(k + 1, wheels.len()) {
+                    (worst, slack) = (sweep, Some(k + 1));
+                }
+            }
+        }
+        match slack {
+            Some(k) => drop(active.remove(k)),
+            None if round == 2 => return Ok(Wound { active, wheels, legs }),
+            None => round += 1,
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The search for the largest bends that can be proved free.
 
-use super::belt::{Form, Guide, Mode, Pulley, heading, tangent};
+use super::belt::{Form, Guide, Mode, Pulley, tangent};
 use super::chords::prove;
 use super::smooth::{Smooth, room};
 use super::spline::spline;
@@ -16,18 +16,19 @@ const SHRINK: f64 = 0.6;
 const GROWTH: [f64; 3] = [2.0, 1.3, 1.1];
 /// Rounds of shrinking; the smallest bends are corners long before.
 const ROUNDS: usize = 80;
-/// Gain in radius that makes one bend out of two.
-const GAIN: f64 = 1.3;
+
+/// Most neighbours on either side that a trial looks at.
+const WINDOW: usize = 12;
 
 /// A chain of pulleys in its world.
 pub(super) struct Fit<'a> {
-    smooth: Smooth,
+    pub(super) smooth: Smooth,
     query: &'a Query,
-    chain: Vec<Pulley>,
+    pub(super) chain: Vec<Pulley>,
     /// m.
     radius: f64,
     /// m.
-    smallest: f64,
+    pub(super) smallest: f64,
 }
 
 /// Why a chain has no proved spline: the pulleys to blame.
@@ -56,13 +57,18 @@ impl<'a> Fit<'a> {
             for &i in &blame {
                 shrunk |= self.shrink(i);
             }
+            if !shrunk {
+                for &i in &blame {
+                    shrunk |= !std::mem::replace(&mut self.chain[i].held, true);
+                }
+            }
             self.split();
             if !shrunk {
                 break;
             }
         }
         for i in 0..self.chain.len() {
-            (self.chain[i].radius, self.chain[i].cap) = (0.0, 0.0);
+            (self.chain[i].radius, self.chain[i].cap, self.chain[i].held) = (0.0, 0.0, true);
         }
         self.split();
         self.whole()?.map_err(|_| PlanError::CertificateFailed { stage: "smoothing", detail: "the raw path cannot be represented".into() })
@@ -104,7 +110,8 @@ impl<'a> Fit<'a> {
             }
             let mut pulley = Pulley::point(self.chain[i].at(), Mode::Through);
             pulley.cap = self.chain[i].cap;
-            if let (Some(a), Some(b)) = (tangent(&self.chain[i - 1], &pulley), tangent(&pulley, &self.chain[i + 1])) {
+            let leg = |a: &Pulley, b: &Pulley| tangent(a.wheel(a.turn.abs())?, b.wheel(b.turn.abs())?);
+            if let (Some(a), Some(b)) = (leg(&self.chain[i - 1], &pulley), leg(&pulley, &self.chain[i + 1])) {
                 pulley.face(a.heading, b.heading);
                 let ends = [i == 1, i + 2 == self.chain.len()];
                 let cap = self.smooth.cap(pulley.turn, [room(distance(a.from, a.to), ends[0]), room(distance(b.from, b.to), ends[1])], true);
@@ -127,13 +134,12 @@ impl<'a> Fit<'a> {
         for piece in path.beziers() {
             let Err(u) = prove(&piece, &self.query.world, self.radius) else { continue };
             let part = guide.parts.partition_point(|part| part.start <= u).max(1) - 1;
-            let i = guide.parts[part].pulley;
+            let [i, next] = guide.parts[part].pulleys;
+            let bent = |i: usize| self.chain[i].radius > 0.0;
             match guide.parts[part].form {
+                Form::Line { .. } if bent(i) || bent(next) || next > i + 1 => blame.extend(i..=next),
+                Form::Line { .. } => given.push([self.chain[i].at(), self.chain[next].at()]),
                 Form::Arc { .. } => blame.push(i),
-                Form::Line { .. } if self.chain[i].radius == 0.0 && self.chain[i + 1].radius == 0.0 => {
-                    given.push([self.chain[i].at(), self.chain[i + 1].at()]);
-                }
-                Form::Line { .. } => blame.extend([i, i + 1]),
             }
         }
         blame.sort_unstable();
@@ -142,13 +148,32 @@ impl<'a> Fit<'a> {
         Ok(if blame.is_empty() { Ok((path, given)) } else { Err(blame) })
     }
 
-    /// Is the belt proved around pulley `i` and its two neighbours on either side?
+    /// The stretch of the chain that pulley `i` can move: two neighbours on either side, more where they are near.
+    fn stretch(&self, i: usize) -> [usize; 2] {
+        let (at, reach) = (self.chain[i].at(), 4.0 * self.chain[i].radius);
+        let (mut low, mut high) = (i.saturating_sub(2), (i + 2).min(self.chain.len() - 1));
+        while low > 0 && i - low < WINDOW && distance(self.chain[low].at(), at) < reach {
+            low -= 1;
+        }
+        while high + 1 < self.chain.len() && high - i < WINDOW && distance(self.chain[high].at(), at) < reach {
+            high += 1;
+        }
+        [low, high]
+    }
+
+    /// Is the belt proved around pulley `i`?
     fn near(&self, i: usize) -> bool {
-        let (low, high) = (i.saturating_sub(2), (i + 2).min(self.chain.len() - 1));
+        let [low, high] = self.stretch(i);
         let open = [low > 0, high + 1 < self.chain.len()];
         let Ok(guide) = Guide::around(&self.chain[low..=high], open) else { return false };
         let Ok(path) = spline(&guide) else { return false };
         path.beziers().iter().all(|piece| prove(piece, &self.query.world, self.radius).is_ok())
+    }
+
+    /// Length of the belt between two pulleys, m; not a number if there is none.
+    pub(super) fn belt(&self, low: usize, high: usize) -> f64 {
+        let open = [low > 0, high + 1 < self.chain.len()];
+        Guide::around(&self.chain[low..=high], open).map_or(f64::NAN, |guide| guide.length)
     }
 
     /// Lets every bend grow as far as it can be proved.
@@ -178,7 +203,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    fn try_radius(&mut self, i: usize, radius: f64) -> bool {
+    pub(super) fn try_radius(&mut self, i: usize, radius: f64) -> bool {
         let kept = std::mem::replace(&mut self.chain[i].radius, radius);
         let good = self.near(i);
         if !good {
@@ -200,47 +225,5 @@ impl<'a> Fit<'a> {
         }
         self.chain[i].mode = Mode::Inside;
         self.chain[i].radius = kept;
-    }
-
-    /// Makes one bend of neighbours that turn the same way, where that is wider.
-    pub fn merge(&mut self) {
-        let mut i = 1;
-        while i + 2 < self.chain.len() {
-            let [a, b] = [&self.chain[i], &self.chain[i + 1]];
-            let alike = a.mode == Mode::Outside && b.mode == Mode::Outside && a.sign() == b.sign();
-            let merged = if alike { self.union(i) } else { None };
-            let Some(merged) = merged else {
-                i += 1;
-                continue;
-            };
-            let least = a.radius.min(b.radius);
-            let pair: Vec<Pulley> = self.chain.splice(i..=i + 1, [merged]).collect();
-            let mut radius = self.chain[i].cap;
-            while radius > GAIN * least.max(self.smallest) && !self.try_radius(i, radius) {
-                radius *= 0.8;
-            }
-            if self.chain[i].radius == 0.0 {
-                self.chain.splice(i..=i, pair);
-                i += 1;
-            } // else the merged one may take in the next
-        }
-    }
-
-    /// One pulley, not yet with a radius, for the way points of pulleys `i` and `i + 1`; `None` if they turn too far.
-    fn union(&self, i: usize) -> Option<Pulley> {
-        let (a, b) = (&self.chain[i], &self.chain[i + 1]);
-        let turn = a.turn + b.turn;
-        if turn.abs() > 0.9 * super::belt::SHARPEST {
-            return None;
-        }
-        let (before, after) = (*self.chain[i - 1].contacts.last()?, *self.chain[i + 2].contacts.first()?);
-        let mut merged = Pulley::point(a.at(), Mode::Outside);
-        merged.contacts = a.contacts.iter().chain(&b.contacts).copied().collect();
-        let (first, last) = (*merged.contacts.first()?, *merged.contacts.last()?);
-        let heading_in = heading(before, first);
-        merged.face(heading_in, heading_in + turn);
-        let ends = [i == 1, i + 3 == self.chain.len()];
-        merged.cap = self.smooth.cap(turn, [room(distance(before, first), ends[0]), room(distance(last, after), ends[1])], false);
-        Some(merged)
     }
 }

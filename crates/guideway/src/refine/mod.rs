@@ -3,6 +3,7 @@
 mod belt;
 mod chords;
 mod fit;
+mod merge;
 mod simplify;
 mod smooth;
 mod spline;

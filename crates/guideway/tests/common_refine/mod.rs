@@ -209,8 +209,13 @@ pub fn job(seed: u64) -> Option<Outcome> {
     let smooth = Smooth { max_curvature: (rng.below(3) == 0).then(|| rng.between(0.1, 3.0) / map.resolution), ..Smooth::default() };
     let refined = smooth.refine(&Path::polyline(&raw), &query, &mut Context::new(seed)).unwrap();
     if std::env::var_os("SHOW").is_some() {
-        println!("seed {seed} radius {radius} res {} raw {raw:?} unmet {:?} discs {:?} exact {exact} free {:?}", map.resolution, refined.unmet, map.discs,
-            raw.windows(2).map(|w| world.segment_free(w[0], w[1], radius)).collect::<Vec<_>>());
+        println!(
+            "seed {seed} radius {radius} res {} raw {raw:?} unmet {:?} discs {:?} exact {exact} free {:?}",
+            map.resolution,
+            refined.unmet,
+            map.discs,
+            raw.windows(2).map(|w| world.segment_free(w[0], w[1], radius)).collect::<Vec<_>>()
+        );
     }
     check(&map, &query, &refined, seed);
     Some(Outcome { raw: Path::polyline(&raw).length(), smooth: refined.path.length(), corners: refined.path.corners().len(), bends: raw.len() - 2 })

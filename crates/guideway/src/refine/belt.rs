@@ -56,9 +56,10 @@ impl Pulley {
         Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, outward: [0.0, 0.0] }
     }
 
-    /// Reference point, m.
+    /// Mean of its way points, m.
     pub fn at(&self) -> Point {
-        self.contacts[self.contacts.len() / 2]
+        let n = self.contacts.len() as f64;
+        [0, 1].map(|d| self.contacts.iter().map(|p| p[d]).sum::<f64>() / n)
     }
 
     /// Sets the turn from the headings (rad) of the legs before and after.

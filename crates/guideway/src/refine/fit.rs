@@ -172,8 +172,7 @@ impl<'a> Fit<'a> {
 
     /// Length of the belt between two pulleys, m; not a number if there is none.
     pub(super) fn belt(&self, low: usize, high: usize) -> f64 {
-        let open = [low > 0, high + 1 < self.chain.len()];
-        Guide::around(&self.chain[low..=high], open).map_or(f64::NAN, |guide| guide.length)
+        Guide::around(&self.chain[low..=high], [false, false]).map_or(f64::NAN, |guide| guide.length)
     }
 
     /// Lets every bend grow as far as it can be proved.

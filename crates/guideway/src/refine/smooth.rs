@@ -31,6 +31,9 @@ pub struct Smooth {
     pub smallest: f64,
 }
 
+/// Largest radius as a multiple of the legs: wider bends are straight for all purposes and reach too far.
+const WIDEST: f64 = 2.0;
+
 impl Default for Smooth {
     fn default() -> Self {
         Self { max_curvature: None, stretch: 0.01, smallest: 0.02 }
@@ -85,7 +88,7 @@ impl Smooth {
         let added = turn - 2.0 * (turn / 2.0).sin(); // length per radius that a bend around the outside adds
         let cheap = self.stretch * (room[0] + room[1]) / added.max(1e-300);
         let wanted = self.max_curvature.map_or(0.0, |k| 1.1 / k);
-        cheap.max(wanted).min(fits).min(100.0 * (room[0] + room[1]))
+        cheap.max(wanted).min(fits).min(WIDEST * (room[0] + room[1]))
     }
 
     /// One pulley per way point.

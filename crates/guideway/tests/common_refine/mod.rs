@@ -113,7 +113,8 @@ impl Map {
         for p in way {
             let q = self.local(p);
             let outside = !(q[0] > -1e-6 && q[1] > -1e-6 && q[0] < w + 1e-6 && q[1] < h + 1e-6);
-            if outside || !(self.distance(p, radius) >= radius - 1e-8) || last.is_some_and(|l| self.squeezes(l, q)) {
+            let near = self.distance(p, radius);
+            if outside || near.is_nan() || near < radius - 1e-8 || last.is_some_and(|l| self.squeezes(l, q)) {
                 return Some(p);
             }
             last = Some(q);
@@ -184,7 +185,7 @@ pub fn job(seed: u64) -> Option<Outcome> {
     let exact = rng.below(3) > 0;
     let mut map = Map::random(&mut rng, if exact { 14 } else { 40 });
     if rng.below(4) == 0 {
-        for _ in 0..1 + rng.below(6) {
+        for _ in 0..=rng.below(6) {
             let c = map.to_map([rng.between(0.0, map.cells[0].len() as f64), rng.between(0.0, map.cells.len() as f64)]);
             map.discs.push((c, rng.between(0.1, 1.5) * map.resolution));
         }
@@ -208,15 +209,6 @@ pub fn job(seed: u64) -> Option<Outcome> {
     }
     let smooth = Smooth { max_curvature: (rng.below(3) == 0).then(|| rng.between(0.1, 3.0) / map.resolution), ..Smooth::default() };
     let refined = smooth.refine(&Path::polyline(&raw), &query, &mut Context::new(seed)).unwrap();
-    if std::env::var_os("SHOW").is_some() {
-        println!(
-            "seed {seed} radius {radius} res {} raw {raw:?} unmet {:?} discs {:?} exact {exact} free {:?}",
-            map.resolution,
-            refined.unmet,
-            map.discs,
-            raw.windows(2).map(|w| world.segment_free(w[0], w[1], radius)).collect::<Vec<_>>()
-        );
-    }
     check(&map, &query, &refined, seed);
     Some(Outcome { raw: Path::polyline(&raw).length(), smooth: refined.path.length(), corners: refined.path.corners().len(), bends: raw.len() - 2 })
 }

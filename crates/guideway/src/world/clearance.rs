@@ -13,11 +13,8 @@ const SMALL: f64 = 8.0;
 
 /// Signed distance from `q` to the union of the set squares, exact where it is below `reach`; `reach` or more elsewhere.
 /// Negative inside: minus the distance to the nearest point that is not in the union, so also on an edge that two set squares share.
-/// `known` may tell about a cell near `q`; it is asked only if nothing is near.
+/// `q` must be finite. `known` may tell about a cell near `q`; it is asked only if nothing is near.
 pub(super) fn signed(set: &Bits, q: Point, reach: f64, known: impl FnOnce() -> Option<Known>) -> f64 {
-    if !(q[0].is_finite() && q[1].is_finite()) {
-        return f64::NAN;
-    }
     let small = reach.min(SMALL);
     let found = window_scan(set, q, small);
     let outside = if found < small || small == reach {
@@ -103,7 +100,7 @@ fn ring_scan(set: &Bits, q: Point, low: f64, mut best: f64) -> f64 {
             let skip = (low2 - dy * dy).max(0.0).sqrt();
             let gap = if skip > 1.0 {
                 let (r0, r1) = (((x + skip).ceil() as i64).max(0), ((x + best).floor() as i64).min(w - 1));
-                let (l0, l1) = (((x - best).ceil() as i64 - 1).max(0), ((x - skip).floor() as i64 - 1).min(w - 1));
+                let (l0, l1) = (((x - best).ceil() - 1.0).max(0.0) as i64, ((x - skip).floor() as i64 - 1).min(w - 1));
                 let right = if r0 <= r1 { set.first(j as u32, r0 as u32, r1 as u32, true) } else { None };
                 let left = if l0 <= l1 { set.last(j as u32, l0 as u32, l1 as u32, true) } else { None };
                 let gaps = (right.map_or(f64::INFINITY, |i| f64::from(i) - x), left.map_or(f64::INFINITY, |i| x - f64::from(i) - 1.0));
@@ -128,7 +125,7 @@ fn ring_scan(set: &Bits, q: Point, low: f64, mut best: f64) -> f64 {
 #[inline]
 fn row_gap(set: &Bits, j: u32, x: f64, reach: f64) -> Option<f64> {
     let last = i64::from(set.width()) - 1;
-    let (low, high) = (((x - reach).ceil() as i64 - 1).max(0), ((x + reach).floor() as i64).min(last));
+    let (low, high) = (((x - reach).ceil() - 1.0).max(0.0) as i64, ((x + reach).floor() as i64).min(last));
     if low > high {
         return None;
     }
@@ -158,7 +155,7 @@ fn depth(set: &Bits, q: Point) -> f64 {
                 continue;
             }
             seen = true;
-            let (low, high) = (((x - best).ceil() as i64 - 1).max(0) as u32, ((x + best).floor() as i64).min(w - 1) as u32);
+            let (low, high) = (((x - best).ceil() - 1.0).max(0.0) as i64 as u32, ((x + best).floor() as i64).min(w - 1) as u32);
             let own = (x.floor() as i64).clamp(i64::from(low), i64::from(high)) as u32;
             let gaps = [set.first(j as u32, own, high, false), set.last(j as u32, low, own, false)];
             for i in gaps.into_iter().flatten().map(f64::from) {

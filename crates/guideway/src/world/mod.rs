@@ -11,8 +11,11 @@ mod footprint;
 mod grid;
 mod lattice;
 mod mover;
+mod pose;
 mod segment;
 pub mod shape;
+#[cfg(test)]
+mod tests;
 
 pub use bits::Bits;
 pub use distance::{ClearanceField, DistanceField, distance_transform, distances};
@@ -83,6 +86,21 @@ impl World {
         self.lattices = Mutex::default();
         self.field = OnceLock::new();
         self
+    }
+
+    /// Share of the map's cells that nobody has seen, 0 to 1; 0 without a map.
+    pub fn unknown_share(&self) -> f64 {
+        let cells = |g: &Grid| f64::from(g.width()) * f64::from(g.height());
+        self.grid.as_ref().map_or(0.0, |g| g.unknown().map_or(0.0, |u| u.count() as f64 / cells(g)))
+    }
+
+    /// Checks every shape and mover, also those that were read from a file, and normalises the sense of polygons.
+    /// # Errors
+    /// [`PlanError::BadParameter`] of the first that makes no sense.
+    pub fn validated(mut self) -> Result<Self, PlanError> {
+        self.shapes = std::mem::take(&mut self.shapes).into_iter().map(Shape::validated).collect::<Result<_, _>>()?;
+        self.movers = std::mem::take(&mut self.movers).into_iter().map(Mover::validated).collect::<Result<_, _>>()?;
+        Ok(self)
     }
 
     /// Sets the moving obstacles.
@@ -172,6 +190,9 @@ impl World {
 
     /// As [`World::clearance`] where that is below `reach` (m); anything from `reach` up elsewhere. The cost grows with `reach`, not with the map.
     pub fn clearance_within(&self, p: Point, reach: f64) -> f64 {
+        if !(p[0].is_finite() && p[1].is_finite()) {
+            return f64::NAN;
+        }
         let shapes = self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
         let grid = self.grid.as_ref().map_or(f64::INFINITY, |g| {
             let q = g.to_cells(p);
@@ -179,7 +200,7 @@ impl World {
             let known = || self.field.get().and_then(|field| field.near(g.cell_of(q)?));
             clearance::signed(g.blocked(), q, reach / g.resolution(), known) * g.resolution()
         });
-        if grid.is_nan() { grid } else { shapes.min(grid) }
+        shapes.min(grid)
     }
 
     /// Does a disc of radius `radius` (m) fit at `p`? Touching (to 1e-9 m) is fitting. A point robot on a grid needs a free cell.
@@ -198,7 +219,7 @@ impl World {
     /// Exact up to 1e-9 m: touching is allowed. Radius 0 is a point: it may slide along walls and touch corners, but not pass along the shared edge of
     /// two blocked cells, nor through the gap of width zero where two blocked cells meet at a corner (it may end there).
     pub fn segment_free(&self, a: Point, b: Point, radius: f64) -> bool {
-        if !(self.nearly_contains(a) && self.nearly_contains(b)) {
+        if !self.segment_inside(a, b) {
             return false;
         }
         if let Some(grid) = &self.grid {
@@ -214,6 +235,25 @@ impl World {
             }
         }
         self.shapes.iter().all(|s| s.segment_distance(a, b) >= radius - TOUCH)
+    }
+
+    /// Smallest clearance along the segment `a b`, m: exact, and not above 0 where it meets an obstacle.
+    pub fn segment_clearance(&self, a: Point, b: Point) -> f64 {
+        let ends = if [a, b].iter().flatten().all(|v| v.is_finite()) { self.clearance(a).min(self.clearance(b)) } else { f64::NAN };
+        let shapes = self.shapes.iter().map(|s| s.segment_distance(a, b)).fold(ends, |m, d| if d < m { d } else { m });
+        if !(shapes > 0.0 && shapes.is_finite()) {
+            return shapes;
+        }
+        self.grid.as_ref().map_or(shapes, |g| {
+            let scale = g.resolution();
+            segment::distance(g.blocked(), g.to_cells(a), g.to_cells(b), (shapes / scale).min(f64::from(g.width()).hypot(f64::from(g.height()))))
+                * scale
+        })
+    }
+
+    /// Are both ends, and so all of the segment, inside the world (up to 1e-9 m)?
+    fn segment_inside(&self, a: Point, b: Point) -> bool {
+        self.nearly_contains(a) && self.nearly_contains(b)
     }
 
     /// As [`World::contains`], 1e-9 m more on every side; false for points that are not finite.

@@ -64,6 +64,73 @@ impl Capsule {
     }
 }
 
+/// Does the convex polygon with these corners, grown by `r` >= 0, stay out of every set square? Squares count as smaller by `eps` on all sides.
+///
+/// The border of the grown polygon is made of borders of the capsules around its sides, so a row of it is as wide as theirs together.
+pub(super) fn polygon_free(set: &Bits, corners: &[Point], r: f64, eps: f64) -> bool {
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    let sides: Vec<Capsule> = sides.map(|(&a, &b)| if a[1] <= b[1] { Capsule::new(a, b, r) } else { Capsule::new(b, a, r) }).collect();
+    let low = sides.iter().map(|c| c.a[1]).fold(f64::INFINITY, f64::min) - r;
+    let high = sides.iter().map(|c| c.b[1]).fold(f64::NEG_INFINITY, f64::max) + r;
+    let last = i64::from(set.height()) - 1;
+    let (first_row, last_row) = ((low.floor() as i64).max(0), (high.floor() as i64).min(last));
+    (first_row..=last_row).all(|j| {
+        let (y0, y1) = (j as f64 + eps, (j + 1) as f64 - eps);
+        let (mut x0, mut x1) = (f64::INFINITY, f64::NEG_INFINITY);
+        for side in &sides {
+            let (bottom, top) = (side.a[1] - r, side.b[1] + r);
+            if bottom < y1 && top > y0 {
+                let (left, right) = side.extent(y0.max(bottom), y1.min(top));
+                (x0, x1) = (x0.min(left), x1.max(right));
+            }
+        }
+        x0 > x1 || !set.any(j as u32, (x0 - 1.0 + eps).floor() as i64 + 1, (x1 - eps).ceil() as i64 - 1)
+    })
+}
+
+/// Least distance from the segment `a b` to a set closed square if that is below `best`, else `best`; 0 if they meet.
+pub(super) fn distance(set: &Bits, a: Point, b: Point, mut best: f64) -> f64 {
+    let (a, b) = if a[1] <= b[1] { (a, b) } else { (b, a) };
+    let last = i64::from(set.height()) - 1;
+    let middle = (f64::midpoint(a[1], b[1]).floor() as i64).clamp(0, last);
+    // From the middle row outwards; the capsule shrinks with what is found.
+    for j in (middle..=last).chain((0..middle).rev()) {
+        loop {
+            let (y0, y1) = ((j as f64).max(a[1] - best), ((j + 1) as f64).min(b[1] + best));
+            if best <= 0.0 || y0 > y1 {
+                break;
+            }
+            let (x0, x1) = Capsule::new(a, b, best).extent(y0, y1);
+            let (i0, i1) = ((x0.ceil() as i64 - 1).max(0), (x1.floor() as i64).min(i64::from(set.width()) - 1));
+            let Some(i) = (i0 <= i1).then(|| set.first(j as u32, i0 as u32, i1 as u32, true)).flatten() else { break };
+            let found = to_square(a, b, [f64::from(i), j as f64]);
+            if found >= best {
+                // Rounding at the rim: step over it.
+                best = rest_of_row(set, j as u32, [i + 1, i1 as u32], (a, b, best));
+                break;
+            }
+            best = found;
+        }
+    }
+    best
+}
+
+/// Least distance from the segment to the set squares `i0..=i1` of row `j`, if below `best`.
+fn rest_of_row(set: &Bits, j: u32, [mut i0, i1]: [u32; 2], (a, b, mut best): (Point, Point, f64)) -> f64 {
+    while i0 <= i1 {
+        let Some(i) = set.first(j, i0, i1, true) else { break };
+        best = best.min(to_square(a, b, [f64::from(i), f64::from(j)]));
+        i0 = i + 1;
+    }
+    best
+}
+
+/// Distance from the segment to the square with lower left corner `s`.
+fn to_square(a: Point, b: Point, s: Point) -> f64 {
+    let c = [s, [s[0] + 1.0, s[1]], [s[0] + 1.0, s[1] + 1.0], [s[0], s[1] + 1.0]];
+    super::shape::convex_distance(&[a, b], &c).max(0.0)
+}
+
 /// May a point slide along `a b`? Not through the inside of the union of the set squares, deeper than `eps`, and not through the gap of width
 /// zero between two squares that meet at a corner. Touching is allowed.
 pub(super) fn point_free(set: &Bits, a: Point, b: Point, eps: f64) -> bool {

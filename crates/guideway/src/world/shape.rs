@@ -94,6 +94,56 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// Distance from the shape to a convex body, m, as [`convex_distance`] tells it.
+    pub fn body_distance(&self, corners: &[Point]) -> f64 {
+        match self {
+            Self::Disc { center, radius } => convex_distance(corners, std::slice::from_ref(center)) - radius,
+            Self::Polygon { points } => convex_distance(corners, points),
+        }
+    }
+
+    /// The same shape if its values make sense (also for shapes that were read from a file).
+    /// # Errors
+    /// As [`Shape::disc`] and [`Shape::polygon`].
+    pub fn validated(self) -> Result<Self, PlanError> {
+        match self {
+            Self::Disc { center, radius } => Self::disc(center, radius),
+            Self::Polygon { points } => Self::polygon(points),
+        }
+    }
+}
+
+/// Distance of two convex bodies, each one point, two (a segment), or a polygon counter-clockwise, m. When they overlap, minus the least overlap along
+/// the normals of their sides (separating axes); two crossing segments are at distance 0.
+pub fn convex_distance(a: &[Point], b: &[Point]) -> f64 {
+    let apart = separation(a, b).max(separation(b, a));
+    let solid = a.len() > 2 || b.len() > 2;
+    if solid && apart <= 0.0 {
+        return apart;
+    }
+    if let ([p, q], [r, s]) = (a, b) {
+        return segment_segment(*p, *q, *r, *s);
+    }
+    let corners = |from: &[Point], to: &[Point]| {
+        let side = |i: usize| (to[i], to[(i + 1) % to.len()]);
+        let near = |p: Point| (0..to.len()).map(|i| point_segment(p, side(i).0, side(i).1)).fold(f64::INFINITY, f64::min);
+        from.iter().map(|p| near(*p)).fold(f64::INFINITY, f64::min)
+    };
+    corners(a, b).min(corners(b, a))
+}
+
+/// Largest distance between two convex bodies along an outward normal of a side of `a`.
+fn separation(a: &[Point], b: &[Point]) -> f64 {
+    let n = a.len();
+    let along = |i: usize| {
+        let e = sub(a[(i + 1) % n], a[i]);
+        let length = norm(e);
+        if length > 0.0 { b.iter().map(|p| cross(sub(*p, a[i]), e)).fold(f64::INFINITY, f64::min) / length } else { f64::NEG_INFINITY }
+    };
+    (0..n).map(along).fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Smallest value along the segment `a b` of the largest signed distance to the lines through the sides of a convex polygon: negative depth
 /// where the segment enters it. That function of the way along the segment is convex and piecewise linear, so cutting planes find its
 /// minimum in at most one step per side.

@@ -138,10 +138,27 @@ def test_numbers_that_json_has_not() -> None:
     assert data["entries"][0]["data"]["metrics"] == {"length": None, "turns": 3, "max_curvature": None}
 
 
-@pytest.mark.parametrize(
-    "result",
-    [{}, {"polyline": []}, {"polyline": None, "path": 3, "trajectory": "x"}, {"outcome": "stuck", "driven": [], "movers": []}, {"driven": None}],
-)
+POOR = [
+    {},
+    {"polyline": []},
+    {"polyline": None, "path": 3, "trajectory": "x"},
+    {"path": {"degree": 3, "knots": [0, [1]], "control_points": 7}},
+    {"outcome": "stuck", "driven": [], "movers": []},
+    {"driven": None},
+    {**run(), "movers": True},
+    {
+        **run(),
+        "movers": [
+            {"shape": {"disc": "x"}, "states": [[0, 1, 1, 1]]},
+            {"shape": 7, "states": [[0, 1, 1, 1]]},
+            {"shape": {"box": [1]}, "states": [[0, 1, 1, 1]]},
+        ],
+    },
+    {**run(), "robot": {"footprint": {"polygon": []}}},
+]
+
+
+@pytest.mark.parametrize("result", POOR)
 def test_poor_results_still_make_a_page(result: dict[str, Any]) -> None:
     assert data_of(view.page([result], worlds=room()))["entries"][0]["data"] is not None
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from .geometry import Array, footprint_radius, outline, points
+from .geometry import Array, arc_length, footprint_radius, listed, outline, points
 from .profile import robot_footprint
 from .report import is_run, labels, write_whole
 from .scenery import BLOCKED, SHADE_SIDE, UNKNOWN, Scenery, field_cell, shading, shrink_field, shrink_walls
@@ -146,7 +146,7 @@ def draw_result(axes: Any, result: Mapping[str, Any], label: str, colour: str, a
     if len(line):
         axes.plot(line[:, 0], line[:, 1], color=colour, linewidth=1.6, label=label, zorder=4)
         draw_robot(axes, result, line, colour)
-    for i, mover in enumerate(m for m in result.get("movers") or [] if isinstance(m, Mapping)):
+    for i, mover in enumerate(m for m in listed(result.get("movers")) if isinstance(m, Mapping)):
         track = points(mover.get("states"), 4)
         there = track[track[:, 3] > 0.5] if len(track) else track
         axes.plot(there[:, 1], there[:, 2], color="#c8500a", linewidth=0.8, alpha=0.8, label=None if i else "moving obstacles", zorder=2)
@@ -158,15 +158,17 @@ def draw_result(axes: Any, result: Mapping[str, Any], label: str, colour: str, a
 
 
 def draw_robot(axes: Any, result: Mapping[str, Any], line: Array, colour: str) -> None:
-    """Outlines of the footprint at nine places along the line."""
+    """Outlines of the footprint at nine places, evenly along the line."""
     from matplotlib.patches import Circle, Polygon
 
     footprint = robot_footprint(result)
     if footprint_radius(footprint) <= 0 or len(line) < 2:
         return
-    corners = outline(footprint)
-    for i in np.unique(np.linspace(0, len(line) - 2, 9).round().astype(int)):
-        (x, y), (dx, dy) = line[i], line[i + 1] - line[i]
+    corners, along = outline(footprint), arc_length(line)
+    for s in np.linspace(0, along[-1], 9):
+        i = min(int(np.searchsorted(along, s, side="right")) - 1, len(line) - 2)
+        x, y = np.interp(s, along, line[:, 0]), np.interp(s, along, line[:, 1])
+        dx, dy = line[i + 1] - line[i]
         size = float(np.hypot(dx, dy)) or 1.0
         turned = corners @ np.array([[dx, dy], [-dy, dx]]) / size + [x, y] if len(corners) else corners
         patch = Polygon(turned, fill=False) if len(corners) else Circle((x, y), footprint_radius(footprint), fill=False)

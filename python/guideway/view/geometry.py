@@ -11,10 +11,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+def size_of(value: Any) -> float:
+    """A length from a file, m: 0 where it is not a usable number."""
+    return float(value) if isinstance(value, int | float) and 0 <= value <= 1e6 else 0.0
+
+
+def listed(value: Any) -> list[Any]:
+    """A list from a file: empty where it is none."""
+    return list(value) if isinstance(value, list | tuple | np.ndarray) else []
+
+
 def points(rows: Any, columns: int = 2) -> Array:
     """Rows of numbers as ``(n, columns)``; empty where there is nothing usable."""
     try:
-        array = np.asarray([list(row)[:columns] for row in rows or []], dtype=np.float64)
+        array = np.asarray([list(row)[:columns] for row in listed(rows)], dtype=np.float64)
     except (TypeError, ValueError):
         return np.empty((0, columns))
     return np.asarray(array) if array.ndim == 2 and array.shape[1] == columns and np.isfinite(array).all() else np.empty((0, columns))
@@ -30,16 +40,16 @@ def footprint_radius(footprint: Any) -> float:
     if not isinstance(footprint, Mapping):
         return 0.0
     if "disc" in footprint:
-        return float(footprint["disc"] or 0.0)
+        return size_of(footprint["disc"])
     corners = outline(footprint)
     reach = float(np.hypot(corners[:, 0], corners[:, 1]).max()) if len(corners) else 0.0
-    return reach + float(footprint.get("radius") or 0.0)
+    return reach + size_of(footprint.get("radius"))
 
 
 def outline(shape: Mapping[str, Any]) -> Array:
     """Corners of a box, a polygon or an outline (``points`` grown by ``radius``) in its own frame, m; empty for a disc."""
     if "box" in shape:
-        length, width = (float(v) / 2 for v in shape["box"])
+        length, width = ([size_of(v) / 2 for v in listed(shape["box"])] + [0.0, 0.0])[:2]
         return np.array([[-length, -width], [length, -width], [length, width], [-length, width]])
     return points(shape.get("polygon") or shape.get("points"))
 
@@ -68,8 +78,10 @@ def polygon_distance(corners: Array, at: Array) -> Array:
 def placed(shape: Mapping[str, Any], pose: Array) -> tuple[Array, float]:
     """Corners of a shape at poses ``(t, 3)`` and the radius around them: a disc is its centre with a radius. ``(t, m, 2)``, m."""
     if "disc" in shape:
-        return pose[:, None, :2], float(shape["disc"] or 0.0)
+        return pose[:, None, :2], size_of(shape["disc"])
     corners = outline(shape)
+    if not len(corners):
+        return pose[:, None, :2], size_of(shape.get("radius"))
     cos, sin = np.cos(pose[:, 2])[:, None], np.sin(pose[:, 2])[:, None]
     x, y = corners[:, 0][None], corners[:, 1][None]
-    return np.stack([pose[:, :1] + cos * x - sin * y, pose[:, 1:2] + sin * x + cos * y], axis=-1), float(shape.get("radius") or 0.0)
+    return np.stack([pose[:, :1] + cos * x - sin * y, pose[:, 1:2] + sin * x + cos * y], axis=-1), size_of(shape.get("radius"))

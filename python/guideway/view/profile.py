@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .geometry import Array, arc_length, footprint_radius, placed, points, polygon_distance, shape_distance
+from .geometry import Array, arc_length, footprint_radius, listed, placed, points, polygon_distance, shape_distance
 from .scenery import Scenery, field_cell
 
 SAMPLES = 1500
@@ -40,7 +40,7 @@ def derivative(knots: Array, control: Array, degree: int) -> tuple[Array, Array]
 def curvature(path: Mapping[str, Any]) -> list[list[float]] | None:
     """Signed curvature over arc length, rows ``[s, kappa]``; ``None`` for polylines and paths that are not given."""
     control, degree = points(path.get("control_points")), path.get("degree")
-    knots = np.asarray(path.get("knots") or [], dtype=np.float64)
+    knots = points([[knot] for knot in listed(path.get("knots"))], 1).ravel()
     if not isinstance(degree, int) or degree < 2 or len(control) <= degree or len(knots) != len(control) + degree + 1:
         return None
     if not np.isfinite(knots).all() or (np.diff(knots) < 0).any():
@@ -105,7 +105,7 @@ def clearance(world: Scenery | None, line: Array, along: Array, radius: float) -
 def separation(run: Mapping[str, Any]) -> list[list[float]] | None:
     """Distance between the driven footprint and the nearest visible mover, rows ``[t, m]``; ``None`` without movers."""
     driven = points(run.get("driven"), 4)
-    movers = [m for m in run.get("movers") or [] if isinstance(m, Mapping) and len(points(m.get("states"), 4))]
+    movers = [m for m in listed(run.get("movers")) if isinstance(m, Mapping) and len(points(m.get("states"), 4))]
     if len(driven) < 2 or not movers:
         return None
     driven = driven[evenly(len(driven), SAMPLES)]
@@ -116,7 +116,7 @@ def separation(run: Mapping[str, Any]) -> list[list[float]] | None:
         states = points(mover["states"], 4)
         pose = np.column_stack([np.interp(driven[:, 0], states[:, 0], states[:, i]) for i in (1, 2)] + [np.zeros(len(driven))])
         there = states[np.clip(np.searchsorted(states[:, 0], driven[:, 0], side="right") - 1, 0, len(states) - 1), 3] > 0.5
-        other, other_radius = placed(mover.get("shape") or {"disc": 0.0}, pose)
+        other, other_radius = placed(shape if isinstance(shape := mover.get("shape"), Mapping) else {"disc": 0.0}, pose)
         gap = np.minimum(polygon_distance(other, own).min(axis=1), polygon_distance(own, other).min(axis=1)) - own_radius - other_radius
         nearest = np.where(there, np.minimum(nearest, np.maximum(gap, 0.0)), nearest)
     seen = np.isfinite(nearest)

@@ -12,6 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from .geometry import listed
 from .profile import plan_profile, run_profile
 from .scenery import Scenery, Snapshot, picture
 
@@ -115,7 +116,7 @@ def slim(result: Mapping[str, Any]) -> dict[str, Any]:
     out = dict(result)
     path = out.get("path")
     if isinstance(path, Mapping):
-        out["path"] = {"degree": path.get("degree"), "control_points": len(path.get("control_points") or [])}
+        out["path"] = {"degree": path.get("degree"), "control_points": len(listed(path.get("control_points")))}
     search = out.get("search")
     if isinstance(search, Mapping) and isinstance(search.get("history"), list) and len(search["history"]) > MOST_HISTORY:
         step = -(-len(search["history"]) // MOST_HISTORY)

@@ -26,8 +26,9 @@ const sign = (kind) => drawing("svg", { viewBox: "0 0 14 14", "aria-hidden": "tr
 /** A number with about four digits that matter. */
 function show(value) {
   if (!finite(value)) return "\u2013";
-  const size = Math.abs(value);
-  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 || size === 0 ? 2 : size >= 0.001 ? 4 : null;
+  const size = Math.abs(value) < 5e-7 ? 0 : Math.abs(value);
+  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 ? 2 : size >= 0.001 ? 4 : null;
+  if (size === 0) return "0.00";
   const text = digits === null ? value.toExponential(1) : value.toFixed(digits);
   return text.replace("-", "\u2212");
 }
@@ -37,7 +38,7 @@ const exact = (value) => (finite(value) && Math.abs(value) < 1000 && (Math.abs(v
 
 /** As `show`, without zeros at the end: for settings rather than measurements. */
 const trimmed = (value) => show(value).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
-const percent = (part) => `${(100 * part).toFixed(Math.abs(part) < 0.00095 && part !== 0 ? 2 : 1).replace("-", "\u2212")} %`;
+const percent = (part) => `${(100 * part).toFixed(part === 0 || Math.abs(part) >= 0.00095 ? 1 : Math.abs(part) >= 0.000095 ? 2 : 3).replace("-", "\u2212")} %`;
 const words = (key) => String(key).replace(/_/g, " ");
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
@@ -86,10 +87,9 @@ function gapOf(data) {
 function gapWords(data) {
   const { grid_gap: grid, proved } = record(data.reference);
   const any = gapOf(data);
-  const best = proved === false ? "best known bound (not proved to be reachable)" : "proved optimum";
+  const best = proved === false ? "best path known (not proved to be the shortest)" : "proved optimum";
   if (finite(any)) {
-    if (record(data.reference).any_angle_gap < -1e-9) return "The planner's path is shorter than its proved optimum: one of the two is wrong.";
-    if (any < -5e-7) return `${percent(-any)} shorter than the ${best} of the planner's model: smoothing rounds corners that the planner goes around.`;
+    if (any < -1e-7) return proved === false ? `${percent(-any)} shorter than the best path known before.` : `${percent(-any)} shorter than the ${best}: one of the two is wrong.`;
     return any < 5e-7 ? `Exactly as short as the ${best}.` : `${percent(any)} longer than the ${best}.`;
   }
   if (finite(grid)) return grid < 5e-7 ? "Exactly as short as the best path on the grid." : `${percent(grid)} longer than the best path on the grid.`;
@@ -231,7 +231,7 @@ function fillDetails(host, entry, partner, seek) {
   const planner = { ...Object.fromEntries(named.filter((key) => data[key] !== undefined).map((key) => [key, data[key]])), ...record(data.parameters) };
   const settings = [
     block(entry.kind === "run" ? "Controller" : "Planner", tableOf(planner, {})),
-    block("Search", tableOf(search, SEARCH, ["history"]), sparkOf(search.history)),
+    block("Search", tableOf(search, SEARCH, search.evaluations === 0 ? ["history", "evaluations"] : ["history"]), sparkOf(search.history)),
     block("Limits", tableOf(record(source.trajectory).limits, LIMITS)),
     block("Robot", tableOf(record(data.robot), LIMITS)),
     block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], arrival: ["Arrived within", "m"] })),

@@ -1,0 +1,67 @@
+//! The profile under a ceiling beside a time-optimal reference.
+
+mod speed_reference;
+
+use guideway::timing::{Bounds, Ceiling, Jerks, fastest};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use speed_reference::{Problem, optimum};
+
+#[test]
+fn the_reference_agrees_with_the_seven_phase_optimum() {
+    for (a, b, j, v, length, wanted) in
+        [(5.0, 5.0, 10.0, 2.0, 34f64.sqrt(), 3.80990), (1.0, 1.0, 1.0, 1.0, 1.0, 3.174_802), (0.5, 0.5, 2.0, 1.0, 6.0, 8.25)]
+    {
+        let problem = Problem { length, speed: v, acceleration: a, deceleration: b, jerk: j, ceiling: &|_| v };
+        let start = std::time::Instant::now();
+        let (time, _) = optimum(&problem, 600);
+        println!("reference {time:.5}, optimum {wanted:.5}, {:.2} s", start.elapsed().as_secs_f64());
+        assert!((time / wanted - 1.0).abs() < 5e-3, "{time} {wanted}");
+    }
+}
+
+/// A random ceiling: dips of random place, width and depth, some of them with a flat ground.
+fn dips(rng: &mut ChaCha8Rng, length: f64, top: f64) -> impl Fn(f64) -> f64 + use<> {
+    let count = rng.random_range(1..6);
+    let dips: Vec<[f64; 4]> = (0..count)
+        .map(|_| {
+            let flat = if rng.random::<f64>() < 0.3 { rng.random::<f64>() } else { 0.0 };
+            [length * rng.random::<f64>(), 0.05 + 0.8 * rng.random::<f64>(), 0.15 + 0.8 * rng.random::<f64>(), flat]
+        })
+        .collect();
+    move |s: f64| dips.iter().map(|[c, w, v, f]| top * v * (1.0 + (((s - c).abs() - f).max(0.0) / w).powi(2)).sqrt()).fold(top, f64::min)
+}
+
+/// Ratios of our duration to that of the reference, sorted.
+fn ratios(cases: usize, nodes: usize, seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let sets = [(0.5, 0.5, 2.0, 1.0), (5.0, 5.0, 10.0, 2.0), (2.0, 3.0, 10.0, 2.0), (1.0, 1.0, 1.0, 2.0)];
+    let mut all: Vec<f64> = (0..cases)
+        .map(|case| {
+            let (a, b, j, top) = sets[case % sets.len()];
+            let length = 3.0 + 7.0 * rng.random::<f64>();
+            let ceiling = dips(&mut rng, length, top);
+            let cells: Vec<f64> = (0..1000).map(|i| [0.0, 0.5, 1.0].map(|x| ceiling(length * (f64::from(i) + x) / 1000.0)).into_iter().fold(top, f64::min)).collect();
+            let bounds = Bounds { speed: top, acceleration: a, deceleration: b, jerk: Jerks::all(j) };
+            let start = std::time::Instant::now();
+            let chain = fastest(&Ceiling::from_cells(length, cells), &bounds, (0.0, 0.0)).unwrap();
+            let own_ms = start.elapsed().as_secs_f64() * 1e3;
+            let own: f64 = chain.iter().map(|(_, p)| p.duration()).sum();
+            let problem = Problem { length, speed: top, acceleration: a, deceleration: b, jerk: j, ceiling: &ceiling };
+            let start = std::time::Instant::now();
+            let reference = optimum(&problem, nodes).0;
+            println!("case {case}: {own:.4} s, reference {reference:.4} s, ratio {:.4}, {} curves, {own_ms:.1} ms, reference {:.0} ms", own / reference, chain.len(), start.elapsed().as_secs_f64() * 1e3);
+            own / reference
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+#[test]
+fn the_profile_is_near_the_optimum() {
+    let all = ratios(24, 600, 1);
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    println!("ratio to the reference: least {:.4}, mean {mean:.4}, most {:.4}", all[0], all[all.len() - 1]);
+}

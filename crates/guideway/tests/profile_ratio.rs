@@ -14,9 +14,8 @@ fn the_reference_agrees_with_the_seven_phase_optimum() {
         [(5.0, 5.0, 10.0, 2.0, 34f64.sqrt(), 3.80990), (1.0, 1.0, 1.0, 1.0, 1.0, 3.174_802), (0.5, 0.5, 2.0, 1.0, 6.0, 8.25)]
     {
         let problem = Problem { length, speed: v, acceleration: a, deceleration: b, jerk: j, ceiling: &|_| v };
-        let start = std::time::Instant::now();
         let (time, _) = optimum(&problem, 600);
-        println!("reference {time:.5}, optimum {wanted:.5}, {:.2} s", start.elapsed().as_secs_f64());
+        println!("reference {time:.5}, optimum {wanted:.5}");
         assert!((time / wanted - 1.0).abs() < 5e-3, "{time} {wanted}");
     }
 }
@@ -42,16 +41,14 @@ fn ratios(cases: usize, nodes: usize, seed: u64) -> Vec<f64> {
             let (a, b, j, top) = sets[case % sets.len()];
             let length = 3.0 + 7.0 * rng.random::<f64>();
             let ceiling = dips(&mut rng, length, top);
-            let cells: Vec<f64> = (0..1000).map(|i| [0.0, 0.5, 1.0].map(|x| ceiling(length * (f64::from(i) + x) / 1000.0)).into_iter().fold(top, f64::min)).collect();
+            let cells: Vec<f64> =
+                (0..1000).map(|i| [0.0, 0.5, 1.0].map(|x| ceiling(length * (f64::from(i) + x) / 1000.0)).into_iter().fold(top, f64::min)).collect();
             let bounds = Bounds { speed: top, acceleration: a, deceleration: b, jerk: Jerks::all(j) };
-            let start = std::time::Instant::now();
             let chain = fastest(&Ceiling::from_cells(length, cells), &bounds, (0.0, 0.0)).unwrap();
-            let own_ms = start.elapsed().as_secs_f64() * 1e3;
             let own: f64 = chain.iter().map(|(_, p)| p.duration()).sum();
             let problem = Problem { length, speed: top, acceleration: a, deceleration: b, jerk: j, ceiling: &ceiling };
-            let start = std::time::Instant::now();
             let reference = optimum(&problem, nodes).0;
-            println!("case {case}: {own:.4} s, reference {reference:.4} s, ratio {:.4}, {} curves, {own_ms:.1} ms, reference {:.0} ms", own / reference, chain.len(), start.elapsed().as_secs_f64() * 1e3);
+            println!("case {case}: {own:.4} s, reference {reference:.4} s, ratio {:.4}, {} curves", own / reference, chain.len());
             own / reference
         })
         .collect();
@@ -59,9 +56,23 @@ fn ratios(cases: usize, nodes: usize, seed: u64) -> Vec<f64> {
     all
 }
 
+fn near_optimum(cases: usize, nodes: usize, seed: u64) {
+    let all = ratios(cases, nodes, seed);
+    let (least, most) = (all[0], all[all.len() - 1]);
+    let mean = all.iter().sum::<f64>() / all.len() as f64;
+    println!("{cases} ceilings, ratio to the reference: least {least:.4}, mean {mean:.4}, 95 % {:.4}, most {most:.4}", all[all.len() * 95 / 100]);
+    // The reference keeps its limits at its nodes alone and is up to 0.4 % slower than the seven-phase optimum on a flat ceiling.
+    assert!(least > 0.99, "the reference is not one: {least}");
+    assert!(most < 1.05, "{most}");
+}
+
 #[test]
 fn the_profile_is_near_the_optimum() {
-    let all = ratios(24, 600, 1);
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    println!("ratio to the reference: least {:.4}, mean {mean:.4}, most {:.4}", all[0], all[all.len() - 1]);
+    near_optimum(16, 500, 1);
+}
+
+#[cfg(feature = "slow")]
+#[test]
+fn the_profile_is_near_the_optimum_on_many_ceilings() {
+    near_optimum(400, 600, 2);
 }

@@ -1,9 +1,13 @@
 //! Motions along paths: limits, corners, headings, files.
 
+use guideway::certify::motion::{Asked, motion};
 use guideway::context::Context;
 use guideway::path::Path;
 use guideway::query::Limits;
 use guideway::timing::{CSV_HEADER, JerkLimited, Piece, Timing, TimingOptions, Trajectory, safe_speed, stopping_distance, time, turn_time};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use std::f64::consts::FRAC_PI_2;
 
 fn limits() -> Limits {
@@ -114,4 +118,38 @@ fn csv_has_a_row_each_hundredth_of_a_second() {
     assert!(rows.iter().all(|r| r.len() == 8));
     assert_eq!(rows.len(), (trajectory.duration() * 100.0).ceil() as usize + 1);
     assert!((rows[7][0] - 0.07).abs() < 1e-12 && (rows[rows.len() - 1][0] - trajectory.duration()).abs() < 1e-9);
+}
+
+/// A cubic path through random control points; now and then two or three of them coincide.
+fn random_path(rng: &mut ChaCha8Rng) -> Path {
+    let n = rng.random_range(4..14);
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for i in 0..n {
+        let next = [1.2 * f64::from(i) + rng.random::<f64>(), 3.0 * rng.random::<f64>()];
+        let again = if rng.random::<f64>() < 0.1 { 2 } else { 1 };
+        points.extend(std::iter::repeat_n(next, again));
+    }
+    let inner = (1..points.len() - 3).map(|i| i as f64);
+    let last = (points.len() - 3) as f64;
+    let knots = [0.0; 4].into_iter().chain(inner).chain([last; 4]).collect();
+    Path::new(3, 2, knots, points.concat()).unwrap()
+}
+
+#[test]
+fn random_paths_pass_their_certificate() {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    for case in 0..24 {
+        let path = random_path(&mut rng);
+        let mut limits = limits();
+        if case % 3 == 0 {
+            limits = Limits { speed: 1.0, acceleration: 0.5, deceleration: 0.5, jerk: 2.0, ..limits };
+        }
+        let yaw = |rng: &mut ChaCha8Rng| (rng.random::<f64>() < 0.5).then(|| 6.0 * rng.random::<f64>() - 3.0);
+        let (start_yaw, goal_yaw) = (yaw(&mut rng), yaw(&mut rng));
+        let options = TimingOptions { start_yaw, goal_yaw, ..TimingOptions::default() };
+        let trajectory = time(&path, &limits, &options, &mut Context::new(1)).unwrap();
+        let checks = motion(&trajectory, &Asked { start_yaw, goal_yaw, ..Asked::default() });
+        let failed: Vec<_> = checks.iter().filter(|c| !c.ok).collect();
+        assert!(failed.is_empty(), "case {case}: {failed:?}");
+    }
 }

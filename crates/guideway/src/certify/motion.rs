@@ -32,7 +32,7 @@ pub struct Asked {
 /// `acceleration`, `deceleration`, `jerk`, `turn rate`, `lateral acceleration`, `turn acceleration` (in place). `at` is the time, s.
 pub fn motion(trajectory: &Trajectory, asked: &Asked) -> Vec<Check> {
     let mut inspector = Inspector::new(&trajectory.path, &trajectory.limits, trajectory.duration());
-    let mut last = Instant { t: 0.0, s: 0.0, v: asked.start_speed, a: 0.0, yaw: asked.start_yaw };
+    let mut last = Instant { t: 0.0, s: 0.0, v: asked.start_speed, a: 0.0, yaw: asked.start_yaw, blur: 0.0 };
     let mut clock = 0.0;
     for piece in &trajectory.pieces {
         let (start, duration) = match piece {
@@ -56,6 +56,8 @@ struct Instant {
     a: f64,
     /// `None` where nothing was asked.
     yaw: Option<f64>,
+    /// How far the heading may be off because it was taken a little inside the piece, rad.
+    blur: f64,
 }
 
 struct Inspector<'a> {
@@ -115,7 +117,7 @@ impl<'a> Inspector<'a> {
         self.speed_jump.see((after.v - before.v).abs(), after.t, 0.0);
         self.acceleration_jump.see((after.a - before.a).abs(), after.t, 0.0);
         if let (Some(x), Some(y)) = (before.yaw, after.yaw) {
-            self.heading.see(apart(x, y), after.t, 0.0);
+            self.heading.see(apart(x, y), after.t, before.blur + after.blur);
         }
     }
 
@@ -124,13 +126,14 @@ impl<'a> Inspector<'a> {
             Piece::Along { t, s, speed, acceleration, jerk, duration } => {
                 // A little inside the piece: at a corner the heading belongs to the neighbour.
                 let inside = 1e-9 * self.length;
-                let first = Instant { t, s, v: speed, a: acceleration, yaw: Some(self.direction(s + inside).0) };
+                let (yaw, curvature) = self.direction(s + inside);
+                let first = Instant { t, s, v: speed, a: acceleration, yaw: Some(yaw), blur: 2.0 * inside * curvature.abs() };
                 self.join(before, &first);
                 self.jerk.see(jerk.abs(), t, SHARE * self.jerk.limit.unwrap_or(0.0));
                 self.along(&first, jerk, duration, inside)
             }
             Piece::Turn { turn, t, duration, s, from } => {
-                self.join(before, &Instant { t, s, v: 0.0, a: 0.0, yaw: Some(from) });
+                self.join(before, &Instant { t, s, v: 0.0, a: 0.0, yaw: Some(from), blur: 0.0 });
                 // A trapezoid of the rate: with the largest rate the acceleration is infinite, with the limit's the rate is known.
                 let swing = turn.abs();
                 let least = 4.0 * swing / (duration * duration);
@@ -138,7 +141,7 @@ impl<'a> Inspector<'a> {
                 let top = 0.5 * acceleration * (duration - (duration * duration - 4.0 * swing / acceleration).max(0.0).sqrt());
                 self.turning.see(least, t, SHARE * acceleration);
                 self.turn_rate.see(top, t, SHARE * self.turn_rate.limit.unwrap_or(0.0));
-                Instant { t: t + duration, s, v: 0.0, a: 0.0, yaw: Some(from + turn) }
+                Instant { t: t + duration, s, v: 0.0, a: 0.0, yaw: Some(from + turn), blur: 0.0 }
             }
         }
     }
@@ -155,6 +158,7 @@ impl<'a> Inspector<'a> {
                 v: first.v + first.a * x + jerk * x * x / 2.0,
                 a: first.a + jerk * x,
                 yaw: None,
+                blur: 0.0,
             };
             self.progress.see(last.s - now.s, now.t, 0.0);
             self.progress.see(-now.v, now.t, 0.0);
@@ -167,7 +171,8 @@ impl<'a> Inspector<'a> {
             see(&mut self.lateral, (curvature * now.v * now.v).abs(), now.t);
             last = now;
         }
-        last.yaw = Some(self.direction(last.s - inside).0);
+        let (yaw, curvature) = self.direction(last.s - inside);
+        (last.yaw, last.blur) = (Some(yaw), 2.0 * inside * curvature.abs());
         last
     }
 
@@ -176,7 +181,7 @@ impl<'a> Inspector<'a> {
         self.ends.see((last.v - asked.end_speed).abs(), clock, 0.0);
         self.ends.see(last.a.abs(), clock, 0.0);
         if let (Some(x), Some(y)) = (last.yaw, asked.goal_yaw) {
-            self.ends.see(apart(x, y), clock, 0.0);
+            self.ends.see(apart(x, y), clock, last.blur);
         }
     }
 

@@ -23,6 +23,8 @@ const ROUNDING: f64 = 1.0 + 1e-11;
 pub struct Ceiling {
     length: f64,
     step: f64,
+    /// 1 / step.
+    per_metre: f64,
     /// `table[k][i]` is the lowest value in cells `i .. i + 2^k`.
     table: Vec<Vec<f64>>,
 }
@@ -39,7 +41,7 @@ impl Ceiling {
             table.push(next);
             width *= 2;
         }
-        Self { length, step, table }
+        Self { length, step, per_metre: 1.0 / step, table }
     }
 
     /// The ceiling on a stretch of a planar path from `from` to `to` (m). `extra` adds a ceiling (m/s) of the arc length, sampled.
@@ -82,7 +84,7 @@ impl Ceiling {
     }
 
     fn cell(&self, s: f64) -> usize {
-        ((s / self.step).max(0.0) as usize).min(self.table[0].len() - 1)
+        ((s * self.per_metre) as usize).min(self.table[0].len() - 1)
     }
 
     /// Ceiling at `s`, m/s.
@@ -96,6 +98,20 @@ impl Ceiling {
         let level = (j - i).ilog2() as usize;
         let row = &self.table[level];
         row[i].min(row[j - (1 << level)])
+    }
+
+    /// Whether a profile that starts at `from` stays below the ceiling everywhere.
+    pub fn allows(&self, from: f64, profile: &Profile) -> bool {
+        // Most profiles that do not are too fast where a phase ends.
+        let (v, a) = profile.start();
+        let mut state = (from, v, a);
+        for phase in profile.phases() {
+            state = advance(state, phase.jerk, phase.duration);
+            if state.1 > self.at(state.0) * ROUNDING {
+                return false;
+            }
+        }
+        self.first_excess(from, profile).is_none()
     }
 
     /// Where a profile that starts at `from` first rises above the ceiling, m (`None`: nowhere). Exact up to the length of a cell.

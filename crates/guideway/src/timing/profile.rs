@@ -14,8 +14,8 @@ const LEVELS: [f64; 4] = [1.0, 0.95, 0.87, 0.72];
 /// Most stations of the coarse search.
 const STATIONS: usize = 120;
 /// Rounds of polishing, and the factor by which the grid shrinks in each.
-const ROUNDS: usize = 12;
-const SHRINK: f64 = 0.6;
+const ROUNDS: usize = 8;
+const SHRINK: f64 = 0.55;
 
 /// A place of zero acceleration: arc length (m), speed (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,8 +64,8 @@ impl Search<'_> {
         let faster = from.v.max(to.v);
         let mut failed = f64::INFINITY;
         if lowest < self.bounds.speed {
-            let free = self.curve(from, to, self.bounds.speed).plan().ok()?;
-            if self.ceiling.first_excess(from.s, &free).is_none() {
+            let free = self.curve(from, to, self.bounds.speed).between_troughs()?;
+            if self.ceiling.allows(from.s, &free) {
                 return Some(free);
             }
             failed = free.top_speed();
@@ -74,8 +74,8 @@ impl Search<'_> {
         if cap >= failed {
             return None;
         }
-        let capped = self.curve(from, to, cap).plan().ok()?;
-        self.ceiling.first_excess(from.s, &capped).is_none().then_some(capped)
+        let capped = self.curve(from, to, cap).between_troughs()?;
+        self.ceiling.allows(from.s, &capped).then_some(capped)
     }
 
     /// Distance that matters when the acceleration changes sign at speed `v`, m.

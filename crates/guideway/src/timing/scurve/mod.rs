@@ -193,11 +193,8 @@ impl SCurve {
         if self.start.1 < 0.0 || self.end.1 > 0.0 {
             return general::plan(self);
         }
-        let Bounds { speed, acceleration, deceleration, jerk } = self.bounds;
-        let sides = [
-            Side::new(self.start.0, self.start.1, acceleration, (jerk.build, jerk.release)),
-            Side::new(self.end.0, -self.end.1, deceleration, (jerk.unbrake, jerk.brake)),
-        ];
+        let speed = self.bounds.speed;
+        let sides = self.sides();
         let (after, before) = (sides[0].lowest, sides[1].lowest);
         if after.max(before) > speed * (1.0 + 1e-12) {
             return Err(overrun(speed, after, before));
@@ -206,6 +203,26 @@ impl SCurve {
             Some(solved) => Ok(self.assemble(&sides, &solved)),
             None => Err(self.too_short()),
         }
+    }
+
+    #[inline]
+    fn sides(&self) -> [Side; 2] {
+        let Bounds { acceleration, deceleration, jerk, .. } = self.bounds;
+        [
+            Side::new(self.start.0, self.start.1, acceleration, (jerk.build, jerk.release)),
+            Side::new(self.end.0, -self.end.1, deceleration, (jerk.unbrake, jerk.brake)),
+        ]
+    }
+
+    /// The plan of a problem that is known to be valid, forwards and without acceleration at its ends; `None` if the distance is too short.
+    /// Searches that try many problems do not need to know why one fails.
+    #[inline]
+    pub(super) fn between_troughs(&self) -> Option<Profile> {
+        if self.distance <= 0.0 || self.start.0.max(self.end.0) > self.bounds.speed {
+            return None;
+        }
+        let sides = self.sides();
+        peak::solve(&sides, self.distance, self.bounds.speed).map(|solved| self.assemble(&sides, &solved))
     }
 
     /// States that no profile of the class can have.

@@ -58,7 +58,7 @@ fn grid(p: &Problem, n: usize) -> Grid {
 fn rows(p: &Problem, g: &Grid, now: &[f64]) -> Vec<Row> {
     let n = now.len() - 1;
     let mut rows = Vec::new();
-    for i in 1..n {
+    for (i, b) in now.iter().enumerate().take(n).skip(1) {
         rows.push(Row { at: i, left: [0.0, 1.0, 0.0], right: g.cap[i] });
         rows.push(Row { at: i, left: [0.0, -1.0, 0.0], right: 0.0 });
         let (h0, h1) = (g.s[i] - g.s[i - 1], g.s[i + 1] - g.s[i]);
@@ -70,8 +70,8 @@ fn rows(p: &Problem, g: &Grid, now: &[f64]) -> Vec<Row> {
         let scale = 2.0 / (h0 + h1);
         let second = [scale / h0, -scale * (1.0 / h0 + 1.0 / h1), scale / h1];
         // |b''| <= 2 J / sqrt(b), the right side by its tangent at the iterate; multiplied by sqrt(b) of the iterate.
-        let root = now[i].sqrt();
-        let bend = p.jerk / now[i];
+        let root = b.sqrt();
+        let bend = p.jerk / b;
         for sign in [1.0, -1.0] {
             let left = [sign * second[0] * root, sign * second[1] * root + bend, sign * second[2] * root];
             rows.push(Row { at: i, left, right: 3.0 * p.jerk });

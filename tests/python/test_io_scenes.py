@@ -108,6 +108,55 @@ def test_scene_written_and_read_is_the_same(full: Path) -> None:
         assert getattr(again, field) == getattr(scene, field), field
 
 
+coordinate = st.floats(-1e6, 1e6)
+points = st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=4)
+footprints = st.one_of(
+    st.builds(gio.Footprint, disc=st.floats(0, 100)),
+    st.builds(gio.Footprint, box=st.tuples(st.floats(1e-3, 100), st.floats(1e-3, 100))),
+    st.just(gio.Footprint(polygon=((-1.0, -1.0), (2.0, -1.0), (0.0, 1.5)))),
+)
+tracks = st.lists(st.tuples(st.floats(1e-3, 10), coordinate, coordinate), min_size=1, max_size=5)
+movers = st.builds(
+    lambda shape, steps, loop, phase, appears: gio.Mover(
+        shape, tuple((sum(s[0] for s in steps[1 : i + 1]), x, y) for i, (_, x, y) in enumerate(steps)), loop, phase, appears
+    ),
+    footprints,
+    tracks,
+    st.sampled_from(["once", "cycle", "shuttle"]),
+    st.floats(-100, 100),
+    st.one_of(st.none(), st.builds(gio.Appears, within=st.floats(0, 50)), st.builds(gio.Appears, at=st.floats(0, 50))),
+)
+queries = st.builds(
+    gio.Query,
+    start=st.tuples(coordinate, coordinate),
+    goal=st.none() | st.tuples(coordinate, coordinate),
+    start_yaw=st.none() | st.floats(-10, 10),
+    via=points.map(tuple),
+    clearance=st.floats(0, 10),
+    material=st.sampled_from(["standard", "long", "heavy"]),
+    time_limit=st.none() | st.floats(1e-3, 1e5),
+)
+plans = st.builds(
+    gio.Plan,
+    planner=st.none() | st.text(min_size=1, max_size=20).filter(lambda t: "\0" not in t),
+    set=st.dictionaries(st.text(max_size=9), st.one_of(st.booleans(), st.integers(-9, 9), st.floats(-9, 9), st.text(max_size=9)), max_size=3),
+    seed=st.none() | st.integers(0, 2**63 - 1),
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(movers, max_size=3), queries, st.none() | plans, st.lists(st.builds(gio.Disc, st.tuples(coordinate, coordinate), st.floats(0, 9))))
+def test_any_scene_round_trips(
+    tmp_path_factory: pytest.TempPathFactory, moving: list[gio.Mover], query: gio.Query, plan: gio.Plan | None, discs: list[gio.Disc]
+) -> None:
+    target = tmp_path_factory.getbasetemp() / "any.toml"
+    scene = gio.Scene((-1e6, -1e6, 1e6, 1e6), 200.0, target, "", shapes=tuple(discs), movers=tuple(moving), query=query, plan=plan)
+    gio.write_map(scene, target)
+    again = gio.load_scene(target)
+    for field in ("bounds", "resolution", "shapes", "movers", "robot", "has_robot", "lidar", "query", "plan"):
+        assert getattr(again, field) == getattr(scene, field), field
+
+
 def test_movers_files(full: Path) -> None:
     assert gio.load_movers(full) == gio.load_scene(full).movers
     (mover,) = gio.load_movers(full.with_name("track.csv"))

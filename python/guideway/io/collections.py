@@ -18,7 +18,7 @@ from guideway.io.movers import check_times
 from guideway.io.tables import Table
 from guideway.io.types import Disc, Footprint, Lidar, Mover, Point, Polygon, Query, Robot, Scene
 
-_MAX_JSON = 1 << 26
+_MAX_JSON = 1 << 24
 _RESOLUTION = 0.05
 
 # the Jackal robot of the challenge

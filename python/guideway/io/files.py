@@ -15,8 +15,8 @@ from guideway.errors import BadFile
 MAX_BYTES = 1 << 30
 """Largest file that is read, and largest size that a gzip file may unpack to (1 GiB)."""
 
-MAX_TEXT = 1 << 24
-"""Largest text file with settings (YAML, TOML, CSV): 16 MiB."""
+MAX_TEXT = 1 << 23
+"""Largest text file with settings (YAML, TOML, CSV): 8 MiB; parsed, such text may take a hundred times its size."""
 
 
 def show(value: object, width: int = 60) -> str:

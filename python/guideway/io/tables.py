@@ -10,6 +10,9 @@ from guideway.errors import BadFile
 from guideway.io.files import show
 from guideway.io.types import Point
 
+_MAX_DOTS = 1000
+_BREAKS = str.maketrans(dict.fromkeys("=[]{},", "\n"))
+
 HUGE = 1e9
 """Largest coordinate that is accepted, m."""
 
@@ -166,6 +169,9 @@ def parse_toml(where: str, text: str) -> dict[str, object]:
     from guideway.io.files import guard
 
     tomllib: Any = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+    if max(part.count(".") for part in text.translate(_BREAKS).split("\n")) > _MAX_DOTS:
+        # the parser takes time that grows with the square of the parts of a dotted key
+        raise BadFile(where, "a key has too many parts", f"at most {_MAX_DOTS} dots", "Simplify the file")
     with guard(where):
         try:
             return tomllib.loads(text)

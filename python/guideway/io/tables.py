@@ -10,7 +10,7 @@ from guideway.errors import BadFile
 from guideway.io.files import show
 from guideway.io.types import Point
 
-_MAX_DOTS = 1000
+_MAX_DOTS = 200
 _BREAKS = str.maketrans(dict.fromkeys("=[]{},", "\n"))
 
 HUGE = 1e9

@@ -112,7 +112,10 @@ impl Legs<'_> {
         let mut ask = Ask { lattice: self.lattice, start, goal, corners: self.query.corners, stop: &mut stop };
         match run(self.engine, &mut ask, &mut found) {
             End::Found(steps) => self.add(&found, steps, to),
-            End::Exhausted => return Err(no_lattice_path(self.query, ctx)),
+            End::Exhausted => {
+                let own = in_own_cells(self.lattice, [(from, start), (to, goal)]);
+                return Err(no_lattice_path(self.query, own, ctx));
+            }
             End::Stopped if stopped == Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
             End::Stopped => return Err(no_path(self.query, false, Some("the budget of time was spent".into()))),
             End::Overflow => return Err(no_path(self.query, false, Some("the path is too long for exact costs".into()))),
@@ -154,14 +157,19 @@ pub(super) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell>
     near.into_iter().find(|c| reach(*c))
 }
 
-/// No path on the lattice, proved and explained. A way between its cell centres may exist.
-pub(super) fn no_lattice_path(query: &Query, ctx: &mut Context) -> PlanError {
+/// Is each point anchored in its own cell? Only then does a search from the anchors speak for the points.
+pub(super) fn in_own_cells(lattice: &Lattice, ends: [(Point, Cell); 2]) -> bool {
+    ends.iter().all(|&(p, cell)| lattice.cell_at(p) == Some(cell))
+}
+
+/// No path on the lattice, explained, and proved if the search began and ended in the points' own cells. A way between its cell centres may exist.
+pub(super) fn no_lattice_path(query: &Query, own: bool, ctx: &mut Context) -> PlanError {
     let mut why = super::explain(query, ctx);
     if !why.proved {
         let more = why.reason.map(|r| format!(" ({r})")).unwrap_or_default();
         why.reason = Some(format!("no chain of neighbouring cell centres joins start and goal{more}"));
     }
-    why.proved = true;
+    why.proved |= own;
     PlanError::NoPath(Box::new(why))
 }
 

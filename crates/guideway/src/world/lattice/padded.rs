@@ -111,3 +111,52 @@ fn turn(block: &mut [u64; 64]) {
         mask ^= mask << half;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    fn random(width: u32, height: u32, seed: u64) -> Bits {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut bits = Bits::new(width, height);
+        for y in 0..height {
+            for x in 0..width {
+                bits.set(x, y, rng.random_bool(0.5));
+            }
+        }
+        bits
+    }
+
+    #[test]
+    fn columns_are_rows_turned() {
+        for (k, (w, h)) in [(1, 1), (64, 64), (65, 63), (3, 200), (200, 3), (129, 130)].into_iter().enumerate() {
+            let bits = random(w, h, k as u64);
+            let turned = transposed(&bits);
+            assert_eq!((turned.width(), turned.height()), (h, w));
+            assert!((0..h).all(|y| (0..w).all(|x| bits.at(x, y) == turned.at(y, x))));
+            assert_eq!(turned.count(), bits.count());
+            assert_eq!(transposed(&turned), bits);
+        }
+    }
+
+    #[test]
+    fn windows_show_the_cells_ahead_and_behind() {
+        let bits = random(150, 3, 9);
+        let padded = Padded::around(&bits);
+        let blocked = |x: i64, y: i64| !(0..150).contains(&x) || !(0..3).contains(&y) || !bits.at(x as u32, y as u32);
+        for (y, x) in (0..3).flat_map(|y| (0..150).map(move |x| (y, x))) {
+            let at = padded.at(x as u32, y as u32);
+            let (ahead, behind) = (padded.ahead(at), padded.behind(at));
+            for k in 0..57 {
+                assert_eq!(ahead >> k & 1 != 0, blocked(x + k, y));
+                assert_eq!(behind << k >> 63 != 0, blocked(x - k, y));
+                assert_eq!(padded.blocked(at + k as usize), blocked(x + k, y));
+            }
+            for (line, dy) in [(at + padded.pitch(), 1), (at - padded.pitch(), -1)] {
+                assert_eq!(padded.ahead(line) & 1 != 0, blocked(x, y + dy));
+            }
+        }
+    }
+}

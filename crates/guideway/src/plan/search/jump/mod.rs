@@ -239,3 +239,6 @@ fn push(out: &mut Vec<Cell>, to: Cell) {
     }
     out.push(to);
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,8 +1,8 @@
 //! The widest way between two points: how large a disc passes, and where it is narrowest.
 //!
 //! Every cell bounds the clearance inside it from above by that of its centre plus half its diagonal. The widest chain of cells under this bound gives an
-//! upper bound on the radius; its narrowest cell is split until it is small. Cells that are open for every radius in question are joined into regions, so a
-//! round looks only at the band of cells near the radius.
+//! upper bound on the radius; cells of it whose centre is narrower than the bound are split, until none is left. Cells that are open for every radius in
+//! question are joined into regions, so a round looks only at the band of cells near the radius.
 
 use crate::Point;
 use crate::world::{Cell, World};
@@ -11,6 +11,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Cells are split at most that often; the bound is then tight to 2^-7 of half a cell's diagonal.
 const DEEPEST: u32 = 7;
+/// Clearances looked up for split cells before the bound is taken as it is.
+const MOST: u64 = 2_000_000;
 const CLOSED: u32 = 0;
 const BAND: u32 = u32::MAX;
 
@@ -34,6 +36,8 @@ type Part = (Cell, [u32; 2]);
 struct Key {
     wide: f64,
     part: Part,
+    /// The part it was reached from: its place in the order of visits plus one.
+    from: u32,
 }
 impl Eq for Key {}
 impl Ord for Key {
@@ -61,6 +65,8 @@ pub(super) struct Widest<'a> {
     splits: HashMap<Cell, Split>,
     ends: [Cell; 2],
     points: [Point; 2],
+    /// Clearances looked up for split cells.
+    looked: u64,
 }
 
 impl<'a> Widest<'a> {
@@ -72,26 +78,29 @@ impl<'a> Widest<'a> {
         let half = (FRAC_1_SQRT_2 + 1e-9) * world.resolution();
         let count = centers.len();
         let size = world.size();
-        Some(Self { world, size, half, centers, labels: vec![BAND; count], shores: Vec::new(), splits: HashMap::new(), ends, points })
+        Some(Self { world, size, half, centers, labels: vec![BAND; count], shores: Vec::new(), splits: HashMap::new(), ends, points, looked: 0 })
     }
 
-    /// Upper bound on the radius, and a radius that surely passes is at most [`Widest::tolerance`] below it where the bound is attained; `None` if
-    /// nothing passes. `stop` is asked in every round.
+    /// Upper bound on the radius, mostly no more than [`Widest::tolerance`] above the truth; `None` if nothing passes. `stop` is asked in every round.
     pub fn solve(&mut self, stop: &mut dyn FnMut() -> bool) -> Option<Bottleneck> {
         let rough = self.round()?.0;
         self.label(rough);
         let ends = [0, 1].map(|k| Bottleneck { radius: self.world.clearance(self.points[k]), place: self.points[k] });
         let end = if ends[1].radius < ends[0].radius { ends[1] } else { ends[0] };
         loop {
-            let (bound, narrowest) = self.round()?;
-            if end.radius <= bound {
-                return Some(end);
-            }
-            if bound <= self.tolerance() {
+            let (bound, chain) = self.round()?;
+            let target = bound.min(end.radius);
+            if target <= self.tolerance() {
                 return None;
             }
-            if !self.split(narrowest.0) || stop() {
-                return Some(Bottleneck { radius: bound, place: self.place(narrowest) });
+            let mut weak: Vec<Cell> = chain.iter().filter(|&&part| self.center(part) < target - self.tolerance()).map(|part| part.0).collect();
+            weak.sort_unstable();
+            weak.dedup();
+            let split = weak.into_iter().filter(|&cell| self.split(cell)).count();
+            if split == 0 || self.looked > MOST || stop() {
+                let narrowest = chain.iter().min_by(|a, b| self.center(**a).total_cmp(&self.center(**b)));
+                let place = narrowest.map_or(end.place, |part| self.place(*part));
+                return Some(if end.radius <= bound { end } else { Bottleneck { radius: bound, place } });
             }
         }
     }
@@ -109,12 +118,14 @@ impl<'a> Widest<'a> {
         self.splits.get(&cell).map_or(0, |s| s.level)
     }
 
+    /// Clearance of the centre of a part, m.
+    fn center(&self, (cell, [i, j]): Part) -> f64 {
+        self.splits.get(&cell).map_or_else(|| self.centers[self.index(cell)], |s| s.values[(j << s.level | i) as usize])
+    }
+
     /// Upper bound of the clearance in a part, m.
-    fn wide(&self, (cell, [i, j]): Part) -> f64 {
-        match self.splits.get(&cell) {
-            None => self.centers[self.index(cell)] + self.half,
-            Some(s) => s.values[(j << s.level | i) as usize] + self.half / f64::from(1 << s.level),
-        }
+    fn wide(&self, part: Part) -> f64 {
+        self.center(part) + self.half / f64::from(1 << self.level(part.0))
     }
 
     fn place(&self, (cell, [i, j]): Part) -> Point {
@@ -132,6 +143,7 @@ impl<'a> Widest<'a> {
         let at = |k: u32, i: u32| f64::from(k) + (f64::from(i) + 0.5) / f64::from(n);
         let parts = (0..n).flat_map(|j| (0..n).map(move |i| [i, j]));
         let values = parts.map(|[i, j]| self.world.clearance(self.world.cell_to_map([at(cell[0], i), at(cell[1], j)]))).collect();
+        self.looked += u64::from(n) * u64::from(n);
         self.splits.insert(cell, Split { level, values });
         true
     }
@@ -195,24 +207,22 @@ impl<'a> Widest<'a> {
         range(1, j).flat_map(|b| xs.clone().map(move |a| (cell, [a as u32, b as u32]))).collect()
     }
 
-    /// The widest chain: its bound and its narrowest part.
-    fn round(&self) -> Option<(f64, Part)> {
-        let mut queue =
-            Queue { heap: BinaryHeap::new(), seen: HashSet::new(), base: vec![false; self.labels.len()], regions: vec![false; self.shores.len()] };
-        let mut bound = (f64::INFINITY, (self.ends[0], [0, 0]));
+    /// The widest chain of parts (without those in open regions) and its bound.
+    fn round(&self) -> Option<(f64, Vec<Part>)> {
+        let mut queue = Queue { base: vec![false; self.labels.len()], regions: vec![false; self.shores.len()], ..Queue::default() };
+        let mut bound = f64::INFINITY;
         if self.enter(self.ends[0], None, &mut queue) {
-            return Some(bound);
+            return Some((bound, Vec::new()));
         }
-        while let Some(Key { wide, part }) = queue.heap.pop() {
-            if wide < bound.0 {
-                bound = (wide, part);
-            }
+        while let Some(Key { wide, part, from }) = queue.heap.pop() {
+            bound = bound.min(wide);
+            queue.visited.push((part, from));
             if part.0 == self.ends[1] {
-                return Some(bound);
+                return Some((bound, queue.chain()));
             }
             for cell in self.around(part.0).chain([part.0]) {
                 if self.enter(cell, Some(part), &mut queue) {
-                    return Some(bound);
+                    return Some((bound, queue.chain()));
                 }
             }
         }
@@ -245,7 +255,7 @@ impl<'a> Widest<'a> {
         let n = 1 << self.level(cell);
         if n == 1 {
             if !std::mem::replace(&mut queue.base[self.index(cell)], true) {
-                queue.heap.push(Key { wide: self.wide((cell, [0, 0])), part: (cell, [0, 0]) });
+                queue.push((cell, [0, 0]), self.wide((cell, [0, 0])));
             }
             return;
         }
@@ -255,18 +265,39 @@ impl<'a> Widest<'a> {
         };
         for part in parts {
             if queue.seen.insert(part) {
-                queue.heap.push(Key { wide: self.wide(part), part });
+                queue.push(part, self.wide(part));
             }
         }
     }
 }
 
 /// Parts to visit, widest first; each once.
+#[derive(Default)]
 struct Queue {
     heap: BinaryHeap<Key>,
+    /// Parts in the order of visits with what they were reached from.
+    visited: Vec<(Part, u32)>,
     /// Parts of split cells that were queued.
     seen: HashSet<Part>,
     /// Whole cells that were queued.
     base: Vec<bool>,
     regions: Vec<bool>,
+}
+
+impl Queue {
+    /// Queues a part reached from the one visited last.
+    fn push(&mut self, part: Part, wide: f64) {
+        self.heap.push(Key { wide, part, from: self.visited.len() as u32 });
+    }
+
+    /// The parts that led to the one visited last, that one first.
+    fn chain(&self) -> Vec<Part> {
+        let (mut chain, mut at) = (Vec::new(), self.visited.len() as u32);
+        while at > 0 {
+            let (part, from) = self.visited[at as usize - 1];
+            chain.push(part);
+            at = from;
+        }
+        chain
+    }
 }

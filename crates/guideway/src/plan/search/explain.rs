@@ -8,7 +8,7 @@ use crate::error::NoPath;
 use crate::query::Query;
 use crate::world::{Bits, Footprint, World};
 
-/// Expansions of exact searches that sharpen the widest radius.
+/// Circles and expansions of the exact searches that sharpen the widest radius.
 const EFFORT: u64 = 20_000;
 
 /// Proves that no path exists, if that is so, and finds the widest disc that would pass.
@@ -76,35 +76,33 @@ fn connected(world: &World, ends: [Point; 2]) -> bool {
     false
 }
 
-/// Does a disc of that radius pass, by the exact planner? And the expansions it took. False if it was stopped.
+/// Does a disc of that radius pass, by the exact planner? And the circles and expansions it took. False if it was stopped.
 fn passes(query: &Query, ends: [Point; 2], radius: f64, ctx: &mut Context) -> (bool, u64) {
     let disc = Query { footprint: Footprint::Disc(radius), clearance: 0.0, ..query.clone() };
     let mut leg = Leg::new(&disc);
     let passed = matches!(leg.solve(ends, ctx), Route::Path { .. });
-    (passed, leg.expansions)
+    (passed, leg.expansions + leg.circles)
 }
 
-/// The largest radius that is proved to pass, between a tolerance below the upper bound and the bound.
+/// The largest radius that is proved to pass, at most a tolerance below the upper bound where that is tight.
 fn sharpen(query: &Query, ends: [Point; 2], (upper, tolerance): (f64, f64), ctx: &mut Context) -> f64 {
-    let (mut low, mut high, mut step, mut effort) = (0.0, upper, tolerance, 0);
-    // Down in growing steps until one passes, then halving.
-    loop {
-        let middle = if low == 0.0 { (upper - step).max(0.0) } else { f64::midpoint(low, high) };
-        if middle == 0.0 || high - low < 1e-7 * upper {
-            return low;
+    let (mut low, mut high, mut step, mut effort) = (0.0, upper, 1.5 * tolerance, 0);
+    // Down in growing steps until one passes, then halving while that is cheap.
+    while high - low > 1e-7 * upper && !(low > 0.0 && effort > EFFORT) && ctx.poll().is_none() {
+        let middle = if low == 0.0 { upper - step } else { f64::midpoint(low, high) };
+        if middle <= 0.0 {
+            break;
         }
         let (passed, expansions) = passes(query, ends, middle, ctx);
-        effort += expansions + 100;
+        effort += expansions;
         if passed {
             low = middle;
         } else {
             high = middle;
-            step *= 2.0;
-        }
-        if low > 0.0 && effort > EFFORT || ctx.poll().is_some() {
-            return low;
+            step *= 3.0;
         }
     }
+    low
 }
 
 #[cfg(test)]

@@ -64,18 +64,32 @@ pub(super) struct Sight<'a> {
     query: &'a Query,
     pub lattice: &'a Lattice,
     point: bool,
+    /// Cells where the disc fits all over, and cells where it may fit somewhere.
+    quick: Option<[Bits; 2]>,
 }
 
 impl<'a> Sight<'a> {
     pub fn new(query: &'a Query, lattice: &'a Lattice) -> Self {
         let point = query.radius() == 0.0 && query.world.shapes().is_empty();
-        Self { query, lattice, point }
+        let quick = (!point).then(|| {
+            let half = (std::f64::consts::FRAC_1_SQRT_2 + 1e-9) * query.world.resolution();
+            [half, -half].map(|margin| query.world.clearance_field().at_least(query.radius() + margin))
+        });
+        Self { query, lattice, point, quick }
     }
 
     /// Is the straight way between two free centres free?
     pub fn see(&self, a: Cell, b: Cell) -> bool {
         if self.point {
             return cells_see(self.lattice.free(), a, b, self.query.corners == Corners::Squeeze);
+        }
+        if let Some([surely, perhaps]) = &self.quick {
+            if cells_see(surely, a, b, true) {
+                return true;
+            }
+            if !cells_see(perhaps, a, b, true) {
+                return false;
+            }
         }
         self.query.world.segment_free(self.lattice.center(a), self.lattice.center(b), self.query.radius())
     }

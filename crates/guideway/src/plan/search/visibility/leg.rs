@@ -41,6 +41,8 @@ pub(in crate::plan::search) struct Leg<'a> {
     point: bool,
     /// Expansions of the last search.
     pub expansions: u64,
+    /// Circles that the last search looked at.
+    pub circles: u64,
 }
 
 impl<'a> Leg<'a> {
@@ -56,11 +58,11 @@ impl<'a> Leg<'a> {
             None
         };
         let point = radius == 0.0 && world.grid().is_some() && world.shapes().is_empty();
-        Self { query, relaxed, point, expansions: 0 }
+        Self { query, relaxed, point, expansions: 0, circles: 0 }
     }
 
     pub fn solve(&mut self, ends: [Point; 2], ctx: &mut Context) -> Route {
-        self.expansions = 0;
+        (self.expansions, self.circles) = (0, 0);
         let mut bound = distance(ends[0], ends[1]);
         let scale = self.query.world.resolution();
         if let Some(found) = self.rows(ends, ctx) {
@@ -76,6 +78,7 @@ impl<'a> Leg<'a> {
             let mut search = Tangents::new(&inflated, ends, bound * growth + inflated.robot);
             let outcome = search.solve(&mut || ctx.poll().is_some());
             self.expansions += search.expansions;
+            self.circles += search.count();
             match outcome {
                 Outcome::Path(pieces, length) => {
                     let mut points = polyline(&pieces, &inflated, EXCESS);

@@ -30,8 +30,8 @@ pub struct Visibility {}
 impl Planner for Visibility {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         query.validate()?;
-        // Under a budget of time a quick path comes first: it is the result if the proof does not finish.
-        let quick = if ctx.budget().seconds.is_some() { super::LazyThetaStar::default().plan(query, ctx).ok() } else { None };
+        // Under a budget of time the lattice path comes first: it is the result if the proof does not finish.
+        let quick = if ctx.budget().seconds.is_some() { super::grid_optimum(query, ctx).ok() } else { None };
         let (mut points, mut cost, mut expansions, mut bound) = (vec![query.start], 0.0, 0, 0.0);
         let mut leg = Leg::new(query);
         for ends in query.stops().windows(2) {
@@ -71,7 +71,7 @@ impl Planner for Visibility {
 fn unfinished(query: &Query, ctx: &mut Context, quick: Option<Solution>, bound: f64) -> Result<Solution, PlanError> {
     let stop = ctx.poll().unwrap_or(Stop::Budget);
     match quick {
-        Some(found) => Ok(Solution { stop, trace: json!({ "lower_bound": bound }), seconds: ctx.seconds(), ..found }),
+        Some(found) => Ok(Solution { cells: None, stop, trace: json!({ "lower_bound": bound }), seconds: ctx.seconds(), ..found }),
         None if stop == Stop::Cancelled => Err(PlanError::Cancelled),
         None => {
             let reason = Some("the budget of time was spent".into());

@@ -137,6 +137,11 @@ impl<'a> Tangents<'a> {
         }
     }
 
+    /// Circles within the bound.
+    pub fn count(&self) -> u64 {
+        self.circles.len() as u64
+    }
+
     /// Runs the search; `poll` is asked after every expansion that looked for tangents and returns true to stop.
     pub fn solve(&mut self, poll: &mut dyn FnMut() -> bool) -> Outcome {
         let start = self.ends[0];

@@ -130,21 +130,38 @@ fn free_point(rng: &mut ChaCha8Rng, world: &World, radius: f64) -> Option<Point>
         .find(|&p| world.clearance(p) >= radius)
 }
 
-/// Brute force: the circle around every corner (or shape) as a polygon of tangent directions is replaced by dense points just outside it, and all
-/// pairs that see each other are joined. Never below the optimum, and near it.
-fn dense(query: &Query, step: f64) -> f64 {
-    let inflated = circles::Inflated { world: &query.world, robot: query.radius() };
-    let mut points = vec![query.start, query.goal];
-    let half = step / 2.0;
-    for circle in inflated.circles(&|_, _| true) {
-        for arc in &circle.arcs {
-            let n = (arc.extent / step).ceil().max(1.0);
-            for i in 0..=n as u32 {
-                points.push(circles::on(circle.center, circle.radius / half.cos(), arc.from + arc.extent * f64::from(i) / n));
+/// Corners of all blocked cells and polygons with radius 0, and discs.
+fn round_things(world: &World) -> Vec<(Point, f64)> {
+    let mut things = Vec::new();
+    if let Some(grid) = world.grid() {
+        for y in 0..=grid.height() {
+            for x in 0..=grid.width() {
+                let blocked = |x: u32, y: u32| x < grid.width() && y < grid.height() && grid.blocked().at(x, y);
+                if [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|&(i, j)| x >= i && y >= j && blocked(x - i, y - j)) {
+                    things.push((grid.to_map([f64::from(x), f64::from(y)]), 0.0));
+                }
             }
         }
     }
-    points.retain(|&p| query.world.fits(p, query.radius()) && query.world.contains(p));
+    for shape in world.shapes() {
+        match shape {
+            Shape::Disc { center, radius } => things.push((*center, *radius)),
+            Shape::Polygon { points } => things.extend(points.iter().map(|&p| (p, 0.0))),
+        }
+    }
+    things
+}
+
+/// Brute force: all points of a ring just outside every inflated corner and disc, joined wherever the straight way is free. Never below the optimum, and
+/// near it. Knows nothing of arcs, tangents or convex corners.
+fn dense(query: &Query, step: f64) -> f64 {
+    let mut points = vec![query.start, query.goal];
+    for (center, radius) in round_things(&query.world) {
+        let count = if radius + query.radius() == 0.0 { 1 } else { (std::f64::consts::TAU / step).ceil() as u32 };
+        let outside = (radius + query.radius()) / (step / 2.0).cos();
+        points.extend((0..count).map(|i| circles::on(center, outside, step * f64::from(i))));
+    }
+    points.retain(|&p| query.world.clearance(p) >= query.radius() - 1e-9 && query.world.contains(p));
     let n = points.len();
     let (mut d, mut done) = (vec![f64::INFINITY; n], vec![false; n]);
     d[0] = 0.0;
@@ -163,11 +180,49 @@ fn dense(query: &Query, step: f64) -> f64 {
     f64::INFINITY
 }
 
+/// A budget of time that is spent at once gives the lattice path with a proved bound, or an honest error; cancelling is heard.
+#[test]
+fn a_spent_budget_is_told() {
+    let mut bits = Bits::new(60, 60);
+    for y in 5..60 {
+        bits.set(30, y, true);
+    }
+    let world = World::from_grid(Grid::new(bits, None, 0.1, [0.0; 3]).unwrap());
+    let query = disc_query(world, [1.0, 5.0], [5.0, 5.0], 0.2);
+    let exact = solve(&query).cost;
+    let budget = crate::context::Budget { seconds: Some(0.0), ..Default::default() };
+    match Visibility::default().plan(&query, &mut Context::new(0).with_budget(budget).unwrap()) {
+        Ok(found) => {
+            let bound = found.trace["lower_bound"].as_f64().unwrap();
+            assert!(found.stop == Stop::Budget && found.cost >= exact - 1e-9 && bound <= exact && bound >= distance(query.start, query.goal) - 1e-9);
+        }
+        Err(PlanError::NoPath(why)) => assert!(!why.proved && why.reason.is_some()),
+        Err(other) => panic!("{other}"),
+    }
+    let mut cancel = |_: &crate::context::Progress| true;
+    let error = Visibility::default().plan(&query, &mut Context::new(0).with_observer(&mut cancel)).err();
+    assert!(matches!(error, Some(PlanError::Cancelled)));
+}
+
+#[test]
+fn via_points_are_passed_in_order() {
+    let mut query = disc_query(discs([-5.0, -5.0, 5.0, 5.0], &[(0.0, 0.0, 2.0)]), [-3.0, 0.0], [3.0, 0.0], 0.5);
+    query.via = vec![[0.0, 3.0], [0.0, -3.0]];
+    let found = solve(&query);
+    certify(&query, &found);
+    let points = found.path.points();
+    let place = |p: Point| points.iter().position(|&q| q == p).unwrap();
+    assert!(place([0.0, 3.0]) < place([0.0, -3.0]));
+    let legs = [[query.start, query.via[0]], [query.via[0], query.via[1]], [query.via[1], query.goal]];
+    let sum: f64 = legs.into_iter().map(|ends| shortest(&query, ends).unwrap()).sum();
+    assert!((sum - found.cost).abs() < 1e-12);
+}
+
 #[test]
 fn never_above_and_hardly_below_a_dense_graph() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let (mut solved, mut unsolved) = (0, 0);
-    for i in 0..400 {
+    for i in 0..240 {
         let world = match i % 3 {
             0 => random_grid(&mut rng),
             1 => World::from_shapes([0.0, 0.0, 6.0, 6.0], random_shapes(&mut rng), 0.1).unwrap(),
@@ -176,12 +231,17 @@ fn never_above_and_hardly_below_a_dense_graph() {
         let radius = if i % 12 == 1 { 0.0 } else { rng.random_range(0.02..0.7) };
         let (Some(start), Some(goal)) = (free_point(&mut rng, &world, radius), free_point(&mut rng, &world, radius)) else { continue };
         let query = disc_query(world, start, goal, radius);
-        let upper = dense(&query, 0.1);
+        let upper = dense(&query, 0.12);
         match Visibility::default().plan(&query, &mut Context::new(0)) {
             Ok(found) => {
                 certify(&query, &found);
                 assert!(found.cost <= upper + 1e-9, "case {i}: {} is above {upper}", found.cost);
                 assert!(upper.is_infinite() || found.cost >= upper * (1.0 - 0.01) - 0.01, "case {i}: {} is far below {upper}", found.cost);
+                for name in ["theta-star", "lazy-theta-star", "astar"] {
+                    if let Ok(other) = crate::plan::planner(name, serde_json::Value::Null).unwrap().plan(&query, &mut Context::new(0)) {
+                        assert!(other.cost >= found.cost * (1.0 - 1e-9), "case {i}: {name} {} beats {}", other.cost, found.cost);
+                    }
+                }
                 let back = shortest(&query, [goal, start]).unwrap();
                 assert!((back - found.cost).abs() < 1e-9 * (1.0 + back), "case {i}: {back} backwards, {} forwards", found.cost);
                 solved += 1;
@@ -193,5 +253,5 @@ fn never_above_and_hardly_below_a_dense_graph() {
         }
     }
     println!("{solved} solved, {unsolved} without a path");
-    assert!(solved > 150 && unsolved > 10);
+    assert!(solved > 100 && unsolved > 10);
 }

@@ -19,7 +19,8 @@ class BadFile(GuidewayError):
     def __init__(self, where: str, what: str, allowed: str = "", todo: str = "") -> None:
         self.where, self.what, self.allowed, self.todo = where, what, allowed, todo
         parts = [f"{where}: {what}"] + [f"allowed: {allowed}"] * bool(allowed) + [todo] * bool(todo)
-        super().__init__(". ".join(part.rstrip(".") for part in parts) + ".")
+        text = ". ".join(part.rstrip(".") for part in parts)
+        super().__init__(text if text.endswith("?") else text + ".")
 
 
 class PlanningError(GuidewayError):

@@ -189,6 +189,7 @@ SCENE_CASES: list[Case] = [
     ("s.toml", scene("[[disc]]\ncenter = [0, 0]\nradius = true\n"), ("field radius", "True")),
     ("s.toml", scene("[[disc]]\ncenter = [0, 0, 0]\nradius = 1\n"), ("field center", "[x, y]")),
     ("s.toml", scene("[[disc]]\nradius = 1\n"), ("field center", "missing")),
+    ("s.toml", scene('[[disc]]\n"center\\n" = [0, 0]\nradius = 1\n'), ("field center", "missing", "meant to be it?")),
     ("s.toml", scene(f"[[disc]]\ncenter = [0, 0]\nradius = 1{'0' * 400}\n"), ("field radius",)),
     ("s.toml", scene("[[polygon]]\npoints = [[0, 0], [1, 0]]\n"), ("[[polygon]] number 1, field points", "at least 3")),
     ("s.toml", scene("[[polygon]]\npoints = [[0, 0], [1, 0], [nan, 1]]\n"), ("field points, entry 3", "nan")),

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from guideway.errors import BadFile
-from guideway.io.files import Blob, guard, load, name, show
+from guideway.io.files import Blob, guard, load, name, show, word
 from guideway.io.movers import check_times
 from guideway.io.tables import Table
 from guideway.io.types import Disc, Footprint, Lidar, Mover, Point, Polygon, Query, Robot, Scene
@@ -65,7 +65,7 @@ def _json(blob: Blob) -> Any:
         try:
             return json.loads(text, parse_constant=refuse)
         except json.JSONDecodeError as e:
-            raise BadFile(f"{where}, line {e.lineno}", f"this is not valid JSON: {show(e.msg)[1:-1]}", todo="Copy the file again") from e
+            raise BadFile(f"{where}, line {e.lineno}", f"this is not valid JSON: {word(e.msg)}", todo="Copy the file again") from e
 
 
 def _pick(where: str, number: str | None, known: list[int]) -> int:
@@ -74,7 +74,7 @@ def _pick(where: str, number: str | None, known: list[int]) -> int:
         todo = f"Write {Path(where).name}#{min(known, default=0)}"
         raise BadFile(where, "this is a collection: it needs the number of a world", f"#N with N one of {listed}", todo)
     if not (number.isascii() and number.isdigit() and len(number) < 10) or int(number) not in known:
-        raise BadFile(where, f"there is no world #{show(number)[1:-1]}", f"one of {listed}", "Name one of these")
+        raise BadFile(where, f"there is no world #{word(number)}", f"one of {listed}", "Name one of these")
     return int(number)
 
 
@@ -131,9 +131,9 @@ def _values(table: Table, key: str, count: int) -> tuple[float, ...]:
 def _keyframes(trajectories: Table, key: str) -> tuple[tuple[float, float, float], ...]:
     if key not in trajectories:
         raise BadFile(trajectories.where, f"the motion {show(key)} is missing", todo="Copy the file again")
-    table = Table(trajectories.where, f"motion {key}", trajectories.raw(key))
+    table = Table(trajectories.where, f"motion {word(key)}", trajectories.raw(key))
     rows = table.rows("keyframes", 3, "[t, x, y] in s and m")
-    check_times(f"{trajectories.where}, motion {key}", [row[0] for row in rows])
+    check_times(f"{trajectories.where}, motion {word(key)}", [row[0] for row in rows])
     return tuple((t, x, y) for t, x, y in rows)
 
 

@@ -31,6 +31,11 @@ def show(value: object, width: int = 60) -> str:
     return text if len(text) <= 2 * width else text[: 2 * width] + "..."
 
 
+def word(value: object, width: int = 60) -> str:
+    """A name out of a file as it is shown without quotes: one line, single spaces."""
+    return " ".join(show(str(value), width)[1:-1].split())
+
+
 def name(path: str | os.PathLike[str]) -> str:
     """A path as it is shown in messages: one line, printable, not absurdly long."""
     text = "".join(c if c.isprintable() else "?" for c in os.fspath(path))

@@ -7,7 +7,7 @@ import math
 from typing import Any, cast
 
 from guideway.errors import BadFile
-from guideway.io.files import show
+from guideway.io.files import show, word
 from guideway.io.types import Point
 
 _MAX_DOTS = 200
@@ -34,13 +34,14 @@ class Table:
     def at(self, key: str = "") -> str:
         """Where a field is, for messages."""
         table = f"{self.where}, {self.path}" if self.path else self.where
-        return f"{table}, field {key if key.isidentifier() and len(key) < 60 else show(key)[1:-1]}" if key else table
+        return f"{table}, field {key if key.isidentifier() and len(key) < 60 else word(key)}" if key else table
 
     def bad(self, key: str, allowed: str, value: object = None) -> BadFile:
         """The complaint about a field."""
         if value is None and key not in self._data:
-            near = difflib.get_close_matches(key, [str(k)[:60] for k in self._data if k not in self._asked], 1)
-            return BadFile(self.at(key), "the field is missing", allowed, f"Is {near[0]} meant to be it?" if near else "Add it")
+            others = [str(k)[:60] for k in self._data if k not in self._asked]
+            near = difflib.get_close_matches(key, others[:100], 1)
+            return BadFile(self.at(key), "the field is missing", allowed, f"Is {word(near[0])} meant to be it?" if near else "Add it")
         return BadFile(self.at(key), f"{show(self._data.get(key) if value is None else value)} cannot be used", allowed, "Correct the field")
 
     @property
@@ -176,7 +177,7 @@ def parse_toml(where: str, text: str) -> dict[str, object]:
         try:
             return tomllib.loads(text)
         except tomllib.TOMLDecodeError as e:
-            raise BadFile(where, f"this is not valid TOML: {show(str(e), 100)[1:-1]}", todo="Correct the line") from e
+            raise BadFile(where, f"this is not valid TOML: {word(e, 100)}", todo="Correct the line") from e
 
 
 def parse_csv(where: str, text: str, columns: tuple[str, ...], limit: int = 10**6) -> list[tuple[float, ...]]:
@@ -204,12 +205,12 @@ def _csv_row(at: str, words: list[str], columns: tuple[str, ...]) -> tuple[float
     if len(words) != len(columns):
         raise BadFile(at, f"the row has {len(words)} columns", f"{len(columns)}: {','.join(columns)}", "Correct the row")
     row: list[float] = []
-    for column, word in zip(columns, words, strict=True):
+    for column, cell in zip(columns, words, strict=True):
         try:
-            value = float(word) if "_" not in word else math.nan
+            value = float(cell) if "_" not in cell else math.nan
         except ValueError:
             value = math.nan
         if not abs(value) <= HUGE:
-            raise BadFile(f"{at}, field {column}", f"{show(word)} cannot be used", "a finite number from -1e9 to 1e9", "Correct the row")
+            raise BadFile(f"{at}, field {column}", f"{show(cell)} cannot be used", "a finite number from -1e9 to 1e9", "Correct the row")
         row.append(value)
     return tuple(row)

@@ -91,14 +91,17 @@ function paintFootprint(pen, view, shape, pose, colour, strength) {
   pen.stroke();
 }
 
+const sweptSheet = document.createElement("canvas");
+
 /** The floor that the footprint covers on its way, in one even tone. */
 function drawSwept(pen, view, entry, colour) {
   const radius = radiusOf(entry.footprint);
   if (radius * view.scale < 1 || !entry.motion.line.n) return;
-  const sheet = document.createElement("canvas");
-  sheet.width = pen.canvas.width;
-  sheet.height = pen.canvas.height;
+  const sheet = sweptSheet;
+  if (sheet.width !== pen.canvas.width || sheet.height !== pen.canvas.height) [sheet.width, sheet.height] = [pen.canvas.width, pen.canvas.height];
   const ink = sheet.getContext("2d");
+  ink.setTransform(1, 0, 0, 1, 0, 0);
+  ink.clearRect(0, 0, sheet.width, sheet.height);
   ink.setTransform(view.ratio, 0, 0, view.ratio, 0, 0);
   ink.fillStyle = ink.strokeStyle = colour;
   if (cornersOf(entry.footprint)) {

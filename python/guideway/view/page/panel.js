@@ -27,7 +27,7 @@ const sign = (kind) => drawing("svg", { viewBox: "0 0 14 14", "aria-hidden": "tr
 function show(value) {
   if (!finite(value)) return "\u2013";
   const size = Math.abs(value) < 5e-7 ? 0 : Math.abs(value);
-  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 ? 2 : size >= 0.001 ? 4 : null;
+  const digits = size >= 1000 ? 0 : size >= 100 ? 1 : size >= 0.1 ? 2 : size >= 0.01 ? 3 : size >= 0.001 ? 4 : null;
   if (size === 0) return "0.00";
   const text = digits === null ? value.toExponential(1) : value.toFixed(digits);
   return text.replace("-", "\u2212");
@@ -166,7 +166,8 @@ function checksOf(certificate) {
   if (typeof certificate.collision_free === "boolean") add(certificate.collision_free, "Free of collision", finite(certificate.step) ? `sampled every ${plain(certificate.step)} m` : "");
   for (const check of list(certificate.checks).slice(0, 200)) {
     if (check && typeof check === "object" && !Array.isArray(check)) {
-      const { name, check: other, ok, passed, ...rest } = check;
+      const { name, check: other, ok, passed, at, ...rest } = check;
+      if (ok === false && at !== null && at !== undefined) rest.at = at;
       add(typeof ok === "boolean" ? ok : passed, name || other || "Check", plain(rest));
     } else add(certificate.ok, plain(check), "");
   }

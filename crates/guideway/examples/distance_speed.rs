@@ -1,9 +1,13 @@
 //! Times of the distance transform and of point and segment queries: `cargo run --release --example distance_speed`.
 
-use guideway::world::{Bits, Grid, World, distance_transform, distances};
+use guideway::certify::collision;
+use guideway::path::Path;
+use guideway::query::Query;
+use guideway::world::{Bits, Footprint, Grid, World, distance_transform, distances};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 fn unit(rng: &mut ChaCha8Rng) -> f64 {
@@ -52,6 +56,21 @@ fn main() {
     println!("\n{:>9} {:>14} {:>14} {:>14} {:>14} {:>14}", "blocked", "clearance ns", "after field", "fits 0.3 ns", "segment ns", "point seg. ns");
     for share in [0.2, 0.01, 0.0001] {
         queries(share);
+    }
+    println!();
+    checker();
+}
+
+/// The checker on a walk of about 100 m over a map of 0.03 m cells.
+fn checker() {
+    let world = Arc::new(World::from_grid(Grid::new(random(2000, 0.0005, 4), None, 0.03, [0.0; 3]).expect("a valid grid")));
+    let points: Vec<[f64; 2]> = (0..=25).map(|i| [2.0 + 2.2 * f64::from(i), 20.0 + 3.3 * f64::from(i % 2)]).collect();
+    for footprint in [Footprint::Disc(0.0), Footprint::Disc(0.3), Footprint::Box([0.6, 0.4])] {
+        let path = Path::polyline(&points);
+        let query = Query { footprint, ..Query::new(Arc::clone(&world), points[0], points[25]) };
+        let seconds = least(15, || drop(black_box(collision(&path, &query, Some(0.01)))));
+        let found = collision(&path, &query, Some(0.01));
+        println!("{:?}: {:.1} m, {} samples, ok {}: {:.2} ms", query.footprint, path.length(), found.samples, found.ok, seconds * 1e3);
     }
 }
 

@@ -203,7 +203,8 @@ impl World {
         shapes.min(grid)
     }
 
-    /// Does a disc of radius `radius` (m) fit at `p`? Touching (to 1e-9 m) is fitting. A point robot on a grid needs a free cell.
+    /// Does a disc of radius `radius` (m) fit at `p`, with its centre inside the world? Touching (to 1e-9 m) is fitting. A point robot on a grid needs a
+    /// free cell.
     pub fn fits(&self, p: Point, radius: f64) -> bool {
         if radius == 0.0
             && self.shapes.is_empty()
@@ -211,7 +212,7 @@ impl World {
         {
             return grid.cell_at(p).is_some_and(|[x, y]| !grid.blocked().at(x, y));
         }
-        self.clearance_within(p, radius) >= radius - TOUCH
+        self.nearly_contains(p) && self.clearance_within(p, radius) >= radius - TOUCH
     }
 
     /// Does a disc of radius `radius` (m) swept along the segment `a b` stay inside the world and out of the interior of every static obstacle?

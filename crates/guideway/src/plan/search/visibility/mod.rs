@@ -1,6 +1,6 @@
 //! The exact any-angle optimum: the default planner, and the reference every other result is measured against.
 //!
-//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`); tangent graphs \[liu1992\] for everything else (`tangent.rs`). No parameters.
+//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`); visibility graphs \[lozano1979\] with tangents and arcs for everything else (`tangent.rs`). No parameters.
 //! Departures: rows are scanned on the fly instead of a mesh; tangents are found lazily inside an ellipse that a lower bound sizes. Footprints other than
 //! discs are planned with their circumscribed disc.
 

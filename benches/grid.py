@@ -4,10 +4,10 @@ Run with a release build of guideway and `pip install -r benches/requirements.tx
 
     GUIDEWAY_DATA=../shared/data python benches/grid.py [--maps dao/den312d ...] [--large 4000] [--passes 3]
 
-Both answer the same question (8-connected, no corner cutting) on the same rows: the scenario rows of each map thinned to about 150, and
-random free pairs on a random map with 20 % blocked. A query's time is CPU time, best of the passes for both. `load` is the time to make a `World` from the array and
-to answer a first query from a cell to itself, which builds every table that does not grow with the queries. The lists of jump points grow
-with the queries: their cost is in `first`, the mean of our first pass.
+Both answer the same question (8-connected, no corner cutting) on the same rows: the scenario rows of each map thinned to about 150,
+and random free pairs on a random map with 20 % blocked. A query's time is CPU time, best of the passes for both. `load` is the time
+to make a `World` from the array and to answer a first query from a cell to itself, which builds every table that does not grow with
+the queries. The lists of jump points grow with the queries: their cost is in `first`, the mean of our first pass.
 """
 
 from __future__ import annotations
@@ -28,12 +28,17 @@ MAPS = ["dao/den312d", "cities/Boston_2_512", "mazes/maze512-8-0", "rooms/16room
 GOALS = {"dao/den312d": 25, "cities/Boston_2_512": 250, "mazes/maze512-8-0": 110, "rooms/16room_000": 32, "random/random512-20-0": 2.3, "random": 2.3}
 
 
+def lines_of(path: Path) -> list[str]:
+    with gzip.open(path, "rt") as file:
+        return file.read().split("\n")
+
+
 def moving_ai(root: Path, name: str):
     """Blocked cells (row 0 on top) and the rows (start, goal as (column, row), optimum)."""
-    lines = gzip.open(root / f"maps/{name}.map.gz", "rt").read().split("\n")
+    lines = lines_of(root / f"maps/{name}.map.gz")
     size = {line.split()[0]: int(line.split()[1]) for line in lines[1:3]}
     blocked = np.array([[c not in ".GS" for c in line[: size["width"]]] for line in lines[4 : 4 + size["height"]]])
-    fields = [line.split() for line in gzip.open(root / f"scen/{name}.map.scen.gz", "rt").read().split("\n")[1:] if line.strip()]
+    fields = [line.split() for line in lines_of(root / f"scen/{name}.map.scen.gz")[1:] if line.strip()]
     rows = [((int(f[4]), int(f[5])), (int(f[6]), int(f[7])), float(f[8])) for f in fields]
     return blocked, rows[:: max(1, len(rows) // 150)]
 

@@ -87,7 +87,8 @@ fn a_long_search_can_be_stopped() {
         }
     }
     (0..400).for_each(|y| bits.set(398, y, true));
-    [[0, 0], [399, 399]].into_iter().for_each(|[x, y]| bits.set(x, y, false));
+    bits.set(0, 0, false);
+    bits.set(399, 399, false);
     let lattice = World::from_grid(Grid::new(bits, None, 1.0, [0.0; 3]).unwrap()).lattice(0.0);
     let (mut asked, mut out) = (0, Vec::new());
     let mut stop = || {

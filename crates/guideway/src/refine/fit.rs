@@ -14,7 +14,7 @@ use crate::world::shape::distance;
 const SHRINK: f64 = 0.6;
 /// Factors by which bends try to grow, coarse to fine.
 const GROWTH: [f64; 3] = [2.0, 1.3, 1.1];
-/// Rounds of shrinking; the smallest bends are corners long before.
+/// Rounds of shrinking; the smallest bends are corners long before. What is still in the way then becomes a corner at once.
 const ROUNDS: usize = 80;
 
 /// Most neighbours on either side that a trial looks at.
@@ -47,7 +47,7 @@ impl<'a> Fit<'a> {
 
     /// Shrinks bends until the whole spline is proved. Also returns the raw legs that are not free as the planner gave them.
     pub fn settle(&mut self) -> Result<(Path, Vec<[Point; 2]>), PlanError> {
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS + self.chain.len() {
             self.refresh();
             let blame = match self.whole()? {
                 Ok(result) => return Ok(result),
@@ -55,7 +55,7 @@ impl<'a> Fit<'a> {
             };
             let mut shrunk = false;
             for &i in &blame {
-                shrunk |= self.shrink(i);
+                shrunk |= self.shrink(i, if round < ROUNDS { SHRINK } else { 0.0 });
             }
             if !shrunk {
                 for &i in &blame {
@@ -74,10 +74,10 @@ impl<'a> Fit<'a> {
         self.whole()?.map_err(|_| PlanError::CertificateFailed { stage: "smoothing", detail: "the raw path cannot be represented".into() })
     }
 
-    fn shrink(&mut self, i: usize) -> bool {
+    fn shrink(&mut self, i: usize, factor: f64) -> bool {
         let smallest = self.smallest;
         let Some(pulley) = self.chain.get_mut(i).filter(|p| p.radius > 0.0) else { return false };
-        pulley.radius *= SHRINK;
+        pulley.radius *= factor;
         if pulley.radius < smallest {
             pulley.radius = 0.0;
         }

@@ -55,7 +55,7 @@ impl Fit<'_> {
                 found = Some(self.chain[i].clone());
             }
             self.chain[i].radius = 0.0;
-            radius *= 0.8;
+            radius *= 0.7;
         }
         self.chain.splice(i..=i, kept);
         found

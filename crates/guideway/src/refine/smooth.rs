@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 
 /// Smooths a path into one clamped cubic B-spline with continuous curvature that is proved free of collision.
 ///
-/// Source: arcs of the largest feasible radius, control points on legs and arcs \[iaco2024\], hull checks with subdivision and repair \[psoaco2024\].
+/// Source: arcs of the largest feasible radius, control points on legs and arcs, hull checks with subdivision, as usual for ant colony paths; the spline
+/// is the variation-diminishing one of \[deboor1978\], chapter XI.
 /// Departures: the arcs go around the outside of corners that the path touches, so taut paths can be smoothed; near corners share one bend; knots are
 /// not uniform, so that long legs stay straight. Where nothing fits a corner stays (a triple knot): the robot turns in place there, and `unmet` says so.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -25,7 +26,8 @@ use serde::{Deserialize, Serialize};
 pub struct Smooth {
     /// Largest curvature, 1/m; met where there is room, else reported. `None`: as gentle as `stretch` and the room allow.
     pub max_curvature: Option<f64>,
-    /// Length that a bend may add, as a share of the mean of its two legs. 0.01 keeps the whole path within a per cent of the raw one.
+    /// Length that a bend may add, as a share of its two legs; one around several corners may add three times that. 0.01 lengthens a taut path by about
+    /// half a per cent.
     pub stretch: f64,
     /// Bends with a smaller radius stay corners, cells. Turning in place is quicker than creeping around such a bend.
     pub smallest: f64,

@@ -1,6 +1,6 @@
 //! From the guide to one clamped cubic B-spline with continuous curvature.
 //!
-//! Control points are the guide at the Greville abscissae of the knots (Schoenberg's variation-diminishing approximation [deboor1978]): straight legs
+//! Control points are the guide at the Greville abscissae of the knots (Schoenberg's variation-diminishing approximation \[deboor1978\]): straight legs
 //! stay exactly straight, the curve has no more wiggles than the guide, and the curvature of an arc rises and falls over about two knot spans.
 
 use super::belt::{Form, Guide, Part, spans};

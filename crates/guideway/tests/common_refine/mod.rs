@@ -1,6 +1,7 @@
 //! Random smoothing jobs and a checker that shares no code with the library.
 
 use guideway::Point;
+use guideway::certify::collision;
 use guideway::context::Context;
 use guideway::path::Path;
 use guideway::plan::planner;
@@ -252,6 +253,8 @@ fn check(map: &Map, query: &Query, refined: &Refined, seed: u64) {
     if let Some(p) = map.collision(samples, query.radius()) {
         panic!("seed {seed}: collision at {p:?}, {} m", map.distance(p, query.radius()));
     }
+    let certificate = collision(path, query, None);
+    assert!(certificate.ok, "seed {seed}: {certificate:?}");
     let chords = polyline(path, query);
     let along = chords.windows(2).flat_map(|w| (0..=10).map(move |i| [0, 1].map(|d| w[0][d] + (w[1][d] - w[0][d]) * f64::from(i) / 10.0)));
     if let Some(p) = map.collision(along, query.radius()) {

@@ -10,9 +10,9 @@ use super::scurve::{Bounds, Profile, SCurve, transition};
 use crate::error::PlanError;
 
 /// Speeds of the coarse nodes as shares of the envelope.
-const LEVELS: [f64; 4] = [1.0, 0.95, 0.87, 0.72];
+const LEVELS: [f64; 5] = [1.0, 0.96, 0.9, 0.8, 0.62];
 /// Most stations of the coarse search.
-const STATIONS: usize = 120;
+const STATIONS: usize = 150;
 /// Rounds of polishing, and the factor by which the grid shrinks in each.
 const ROUNDS: usize = 8;
 const SHRINK: f64 = 0.55;
@@ -39,7 +39,7 @@ pub fn fastest(ceiling: &Ceiling, bounds: &Bounds, ends: (f64, f64)) -> Result<V
         reason: format!("start speed {} m/s or end speed {} m/s cannot be kept under the speed ceiling of the path", ends.0, ends.1),
         best_end_speed: None,
     })?;
-    let mut grid = (2.0 * search.spacing(ceiling.lowest(0.0, ceiling.length())), 0.06);
+    let mut grid = (2.0 * search.spacing(bounds.speed), 0.1);
     for _ in 0..ROUNDS {
         chain = search.polish(&chain, grid);
         grid = (grid.0 * SHRINK, grid.1 * SHRINK);
@@ -111,7 +111,7 @@ impl Search<'_> {
         for k in 1..n {
             let cap = cells[k - 1].min(cells[k]);
             if cap < 0.999 * self.bounds.speed && envelope[k] >= 0.999 * cap {
-                let reach = (4.0 * self.spacing(cap) / h).ceil() as usize;
+                let reach = (10.0 * self.spacing(cap) / h).ceil() as usize;
                 near[k.saturating_sub(reach).max(1)..(k + reach + 1).min(n)].fill(true);
             }
         }

@@ -72,6 +72,7 @@ pub const CONTROLLERS: &[ControllerEntry] = &[
             ("period", "time after which a chosen manoeuvre may turn into a stop, s"),
             ("horizon", "prediction, s"),
             ("park", "time that the place of a stop must stay free, s"),
+            ("hold", "time for which a chosen command is held before the next choice, s"),
             ("speeds", "sampled speeds"),
             ("turns", "sampled turn rates"),
             ("margin", "distance kept to static obstacles, m (null: half the planned clearance, 0.02 to 0.1)"),

@@ -239,3 +239,6 @@ pub(super) fn nearest(seen: &Observation) -> Reason {
         None => Reason::new("no progress"),
     }
 }
+
+#[cfg(test)]
+mod tests;

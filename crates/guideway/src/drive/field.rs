@@ -5,7 +5,7 @@ use crate::Point;
 use crate::world::World;
 
 /// Clearances are looked up to this far beyond what the robot needs, m.
-const REACH: f64 = 1.5;
+const REACH: f64 = 0.8;
 /// How far the reference point may be estimated outside the border, m.
 const BORDER: f64 = 0.03;
 /// Left of the room there is when the robot already stands nearer than its margin, m.

@@ -22,7 +22,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Shares of the reference speed and offsets (m) of the manoeuvres along the path.
-const SHARES: [f64; 4] = [1.0, 0.7, 0.4, 0.15];
+const SHARES: [f64; 3] = [1.0, 0.6, 0.25];
 const OFFSETS: [f64; 7] = [0.0, -0.3, 0.3, -0.6, 0.6, -1.0, 1.0];
 /// Shares of the horizon after which a plan to get out of the way may stop.
 const GO_ON: [f64; 5] = [0.0, 0.2, 0.4, 0.7, 1.0];
@@ -62,6 +62,8 @@ pub struct Predictive {
     pub horizon: f64,
     /// Time that the place of a stop must stay free, s.
     pub park: f64,
+    /// Time for which a chosen command is held before the next choice, s.
+    pub hold: f64,
     /// Sampled speeds.
     pub speeds: u32,
     /// Sampled turn rates.
@@ -92,8 +94,9 @@ impl Default for Predictive {
             period: 0.15,
             horizon: 3.0,
             park: 2.5,
-            speeds: 5,
-            turns: 11,
+            hold: 0.04,
+            speeds: 3,
+            turns: 9,
             margin: None,
             keep: 0.15,
             growth: 0.02,
@@ -120,6 +123,7 @@ impl Predictive {
             ("period", self.period),
             ("horizon", self.horizon),
             ("park", self.park),
+            ("hold", self.hold),
             ("margin", self.margin.unwrap_or(0.0)),
             ("keep", self.keep),
             ("growth", self.growth),
@@ -140,6 +144,7 @@ impl Predictive {
             s: 0.0,
             best: (0.0, f64::NAN),
             last: (Command::default(), None),
+            held: None,
         }))
     }
 }
@@ -157,6 +162,8 @@ struct Steering {
     best: (f64, f64),
     /// The command and the side of the path chosen before.
     last: (Command, Option<i32>),
+    /// The command that is held, and until when, s.
+    held: Option<(f64, Command)>,
 }
 
 /// The best manoeuvre so far.
@@ -174,6 +181,7 @@ impl Controller for Steering {
     fn follow(&mut self, course: &Arc<Course>) {
         self.course = Some(Arc::clone(course));
         (self.s, self.best, self.last) = (0.0, (0.0, f64::NAN), (Command::default(), None));
+        self.held = None;
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
@@ -191,7 +199,14 @@ impl Controller for Steering {
             self.best.1 = seen.time;
             return Decision::Replan(nearest(&seen));
         }
-        self.choose(&course, &seen)
+        if let Some((until, command)) = self.held
+            && seen.time < until - 1e-9
+        {
+            return Decision::Drive(command);
+        }
+        let decision = self.choose(&course, &seen);
+        self.held = if let Decision::Drive(command) = decision { Some((seen.time + self.p.hold, command)) } else { None };
+        decision
     }
 }
 

@@ -55,7 +55,9 @@ fn drive(name: &str, seed: u64) -> Result<Run, PlanError> {
     (query.footprint, query.clearance) = (Footprint::Disc(0.35), 0.15);
     let trajectory = motion(&query, &mut Context::new(seed))?;
     let mut job = Job::new(&query, &trajectory)?;
-    (job.arrival, job.replanner) = (0.2, Some(&motion));
+    let again = |query: &Query, ctx: &mut Context| motion(query, ctx);
+    job.arrival = 0.2;
+    job.replanner = Some(&again);
     let setup = Setup { world: Arc::clone(&query.world), robot: job.robot.clone(), clearance: query.clearance };
     execute(&job, controller(name, serde_json::Value::Null, &setup)?.as_mut(), &mut Context::new(seed))
 }

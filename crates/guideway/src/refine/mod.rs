@@ -1,5 +1,6 @@
 //! From a planner's raw path to one that a robot likes to drive.
 
+mod arcs;
 mod belt;
 mod chords;
 mod fit;

@@ -3,6 +3,7 @@
 //! The path is simplified, every corner becomes a pulley with the largest radius that fits, the belt around the pulleys becomes one cubic B-spline,
 //! and each piece of it is proved free by the hull property.
 
+use super::arcs::coarse;
 use super::belt::{Mode, Pulley, heading};
 use super::fit::Fit;
 use super::simplify::Simplify;
@@ -45,7 +46,8 @@ impl Default for Smooth {
 impl Refiner for Smooth {
     fn refine(&self, path: &Path, query: &Query, ctx: &mut Context) -> Result<Refined, PlanError> {
         self.validate()?;
-        let points = distinct(Simplify::default().points(path, query));
+        let coarse = (path.degree() == 1).then(|| Path::polyline(&coarse(path.points(), query)));
+        let points = distinct(Simplify::default().points(coarse.as_ref().unwrap_or(path), query));
         if points.len() < 2 {
             return Ok(Refined { path: path.clone(), unmet: Vec::new() });
         }
@@ -109,7 +111,7 @@ impl Smooth {
             pulley.cap = self.cap(pulley.turn, [room(distance(a, b), i == 1), room(distance(b, c), i + 1 == last)], true);
             pulley.radius = pulley.cap;
             // A corner that can be cut is not taut.
-            let step = (0.4 * distance(a, b).min(distance(b, c))).min(0.5 * query.world.resolution());
+            let step = (0.4 * distance(a, b).min(distance(b, c))).min(0.5 * query.world.resolution().max(query.radius()));
             let near = |h: f64, d: f64| [b[0] + d * h.cos(), b[1] + d * h.sin()];
             if query.world.segment_free(near(heading_in, -step), near(heading_out, step), query.radius()) {
                 pulley.mode = Mode::Inside;

@@ -125,21 +125,20 @@ fn distance_grows_with_the_top_speed() {
     }
 }
 
-/// No profile on a fine grid of top speeds, accelerations and jerks is faster, and the best of them is nearly as fast.
+/// No profile on a fine grid of top speeds, accelerations, decelerations and jerks is faster.
 fn search(count: usize, grid: usize, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let (mut done, mut worst) = (0, 0.0_f64);
+    let (mut done, mut near) = (0, 0);
     while done < count {
         let problem = domain(&mut rng);
         let Ok(profile) = problem.curve().plan() else { continue };
         done += 1;
         let best = problem.fine_search(grid);
         assert!(best >= profile.duration() - 1e-9, "a search found {best} s, the plan takes {} s: {problem:?}", profile.duration());
-        if best.is_finite() {
-            worst = worst.max(best / profile.duration() - 1.0);
-        }
+        near += usize::from(best < 1.02 * profile.duration());
     }
-    println!("{count} problems: no faster profile found; the search is at most {worst:.4} slower");
+    println!("{count} problems: no faster profile found; the best of the grid is within 2 % in {near}");
+    assert!(2 * near > count, "the search is too coarse to mean anything");
 }
 
 #[test]
@@ -150,7 +149,7 @@ fn no_searched_profile_is_faster() {
 #[cfg(feature = "slow")]
 #[test]
 fn no_searched_profile_is_faster_on_ten_thousand_problems() {
-    search(10_000, 24, 7);
+    search(10_000, 14, 7);
 }
 
 #[test]

@@ -121,13 +121,16 @@ def parameters(job: Job) -> dict[str, Any]:
 def world_record(world: _core.World, folder: str | os.PathLike[str]) -> dict[str, Any]:
     """The ``world`` of a record; its source is named relative to ``folder`` where it can be."""
     source = world.source
-    if source is not None and os.path.exists(source):
-        try:
-            source = os.path.relpath(source, folder)
-        except ValueError:  # another drive
-            source = os.path.abspath(source)
+    if source is not None:
+        plain, mark, number = source.partition("#")  # number N of a collection
+        if os.path.exists(plain):
+            try:
+                plain = os.path.relpath(plain, folder)
+            except ValueError:  # another drive
+                plain = os.path.abspath(plain)
+        source = plain + mark + number
     size = {"width": world.width, "height": world.height, "resolution": world.resolution, "origin": list(world.origin)}
-    return {"source": source, "sha256": world.sha256} | size
+    return {"source": source, "sha256": world.sha256, "files": world.files} | size
 
 
 def query_record(query: _core.Query) -> dict[str, Any]:

@@ -57,6 +57,9 @@ def world_of_record(record: dict[str, Any], path: str | os.PathLike[str]) -> Wor
         tried = " and ".join(str(place) for place in dict.fromkeys(places))
         raise BadFile(os.fspath(path), f"its map {source!r} is not there (tried {tried})", "", "Put the map back, or plan again")
     world = load(f"{found}{mark}{number}")
-    if isinstance(digest, str) and world.sha256 != digest:
-        raise BadFile(str(found), f"it is not the map that {os.fspath(path)} was made with (another sha256)", "", "Plan again on this map")
+    files = named.get("files") if isinstance(named, dict) else None
+    others = [name for name, known in files.items() if world.files.get(name) != known] if isinstance(files, dict) else []
+    if others or (isinstance(digest, str) and world.sha256 != digest):
+        what = f"it is not the map that {os.fspath(path)} was made with (another sha256{' of ' + others[0] if others else ''})"
+        raise BadFile(str(found), what, "", "Plan again on this map")
     return world

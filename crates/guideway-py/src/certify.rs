@@ -1,12 +1,13 @@
 //! Certificates and exact references.
 
 use crate::convert::to_python;
+use crate::errors::OrPy;
 use crate::motion::Trajectory;
 use crate::path::Path;
 use crate::plan::{Solution, watched};
 use crate::query::Query;
 use guideway::certify::{self as checker, Check, motion};
-use guideway::context::Budget;
+use guideway::context::{Budget, Stop};
 use guideway::plan::search;
 use guideway::world::shape::distance;
 use pyo3::prelude::*;
@@ -70,15 +71,16 @@ fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
 #[pyfunction]
 pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution) -> PyResult<Bound<'py, PyAny>> {
     let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
-    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| search::reference(inner, cost, ctx))?;
+    let known = (solution.planner == "visibility" && solution.inner.stop != Stop::Cancelled).then(|| solution.inner.clone());
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| search::reference(inner, cost, known, ctx))?;
     raised.map_or(Ok(()), Err)?;
-    let reference = crate::errors::OrPy::or_py(result, py)?;
-    let gap = |optimum: Option<f64>| optimum.map(|best| if best > 0.0 { cost / best - 1.0 } else { 0.0 });
+    let reference = result.or_py(py)?;
+    let gap = |optimum: Option<f64>| optimum.map(|best| search::gap(cost, best)).transpose().or_py(py);
     let grid = reference.grid_optimum.filter(|_| lattice);
     to_python(
         py,
-        &json!({"grid_optimum": reference.grid_optimum, "grid_gap": gap(grid), "any_angle_optimum": reference.any_angle_optimum,
-                "any_angle_gap": gap(reference.any_angle_optimum), "any_angle_bound": reference.any_angle_bound, "proved": reference.proved,
+        &json!({"grid_optimum": reference.grid_optimum, "grid_gap": gap(grid)?, "any_angle_optimum": reference.any_angle_optimum,
+                "any_angle_gap": gap(reference.any_angle_optimum)?, "any_angle_bound": reference.any_angle_bound, "proved": reference.proved,
                 "path": reference.any_angle_path.map(|path| path.points())}),
     )
 }

@@ -19,7 +19,7 @@ pub struct Solution {
     #[pyo3(get)]
     query: Py<Query>,
     #[pyo3(get)]
-    planner: String,
+    pub planner: String,
     #[pyo3(get)]
     seed: u64,
 }

@@ -7,6 +7,7 @@ use guideway::plan::search;
 use guideway::world::{self, Bits, Grid, Mover, Shape};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// What is blocked, where the robot may be, and how far away everything is. Immutable.
@@ -17,12 +18,15 @@ pub struct World {
     source: Option<String>,
     #[pyo3(get)]
     sha256: Option<String>,
+    /// sha256 of every file that was read, by name.
+    #[pyo3(get)]
+    files: BTreeMap<String, String>,
 }
 
 #[pymethods]
 impl World {
     #[new]
-    #[pyo3(signature = (blocked=None, resolution=1.0, origin=[0.0, 0.0, 0.0], *, unknown=None, bounds=None, shapes=None, movers=None, source=None, sha256=None))]
+    #[pyo3(signature = (blocked=None, resolution=1.0, origin=[0.0, 0.0, 0.0], *, unknown=None, bounds=None, shapes=None, movers=None, source=None, sha256=None, files=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     fn new(
         py: Python<'_>,
@@ -35,10 +39,11 @@ impl World {
         movers: Option<&Bound<'_, PyAny>>,
         source: Option<String>,
         sha256: Option<String>,
+        files: Option<BTreeMap<String, String>>,
     ) -> PyResult<Self> {
         let shapes: Vec<Shape> = shapes.map_or(Ok(Vec::new()), |s| from_python("shapes", s))?;
-        let shapes = shapes.into_iter().map(checked).collect::<Result<Vec<_>, _>>().or_py(py)?;
-        let movers: Vec<Mover> = movers.map_or(Ok(Vec::new()), |m| from_python("movers", m))?;
+        let shapes = shapes.into_iter().map(Shape::validated).collect::<Result<Vec<_>, _>>().or_py(py)?;
+        let movers = movers.map_or(Ok(Vec::new()), self::movers)?;
         let inner = if let Some(blocked) = blocked {
             let bits = bits(blocked, Rows::TopFirst)?;
             let unknown = unknown.map(|u| self::bits(u, Rows::TopFirst)).transpose()?;
@@ -51,7 +56,7 @@ impl World {
             let bounds = bounds.ok_or_else(|| to_py(py, &PlanError::bad("World", "neither blocked nor bounds", "an occupancy array, or bounds")))?;
             world::World::from_shapes(bounds, shapes, resolution).or_py(py)?
         };
-        Ok(Self { inner: Arc::new(inner.with_movers(movers)), source, sha256 })
+        Ok(Self { inner: Arc::new(inner.with_movers(movers)), source, sha256, files: files.unwrap_or_default() })
     }
 
     /// Reads a map (map_server YAML, Moving AI, text) or the world of a scene TOML.
@@ -63,8 +68,8 @@ impl World {
 
     /// The same static world under other moving obstacles (dictionaries as in `movers`).
     fn with_movers(&self, movers: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let movers: Vec<Mover> = from_python("movers", movers)?;
-        Ok(Self { inner: Arc::new(self.inner.overlaid(movers)), source: self.source.clone(), sha256: self.sha256.clone() })
+        let movers = self::movers(movers)?;
+        Ok(Self { inner: Arc::new(self.inner.overlaid(movers)), source: self.source.clone(), sha256: self.sha256.clone(), files: self.files.clone() })
     }
 
     /// Exact distance from every cell's centre to the nearest static obstacle, m, shape (height, width), row 0 on top; infinite without obstacles.
@@ -176,11 +181,9 @@ impl World {
     }
 }
 
-fn checked(shape: Shape) -> Result<Shape, PlanError> {
-    match shape {
-        Shape::Disc { center, radius } => Shape::disc(center, radius),
-        Shape::Polygon { points } => Shape::polygon(points),
-    }
+fn movers(objects: &Bound<'_, PyAny>) -> PyResult<Vec<Mover>> {
+    let movers: Vec<Mover> = from_python("movers", objects)?;
+    movers.into_iter().map(Mover::validated).collect::<Result<_, _>>().or_py(objects.py())
 }
 
 /// Distance from each cell's centre to the centre of the nearest blocked cell, in cells; infinite if none is blocked.

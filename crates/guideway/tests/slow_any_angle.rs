@@ -46,7 +46,7 @@ fn every_map_server_map() {
                         let length: f64 = points.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
                         assert!(length >= found.cost * (1.0 - 1e-12) && length <= found.cost * (1.0 + 1e-6), "{}", yaml.display());
                         assert!(points.windows(2).all(|w| world.segment_free(w[0], w[1], (radius - 2e-9).max(0.0))), "{} {pair:?}", yaml.display());
-                        let truth = reference(&query, found.cost, &mut Context::new(0)).unwrap();
+                        let truth = reference(&query, found.cost, None, &mut Context::new(0)).unwrap();
                         assert!(truth.proved);
                         if let Some(grid) = truth.grid_optimum {
                             assert!(grid >= found.cost * (1.0 - 1e-9), "{} {pair:?}: lattice {grid} beats {}", yaml.display(), found.cost);

@@ -202,7 +202,7 @@ def summary(record: dict[str, Any]) -> str:
     if reference["any_angle_gap"] is not None:
         lines.append(f"reference    {100 * reference['any_angle_gap']:.2f} % longer than the exact optimum of {reference['any_angle_optimum']:.3f} m")
     curvature = "corners" if metrics["max_curvature"] is None else f"curvature up to {metrics['max_curvature']:.2f} 1/m"
-    clearance = "no obstacle near" if metrics["min_clearance"] is None else f"{metrics['min_clearance']:.3f} m clear"
+    clearance = "no obstacle near" if metrics["min_clearance"] is None else f"{round(metrics['min_clearance'], 3) + 0.0:.3f} m clear"
     lines.append(f"path         {metrics['length']:.3f} m, {metrics['turns']} turns, {curvature}, {clearance}")
     if record["trajectory"]:
         lines.append(f"motion       {record['trajectory']['duration']:.2f} s in {len(record['trajectory']['pieces'])} pieces")

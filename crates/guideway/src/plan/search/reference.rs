@@ -4,7 +4,7 @@ use super::{Visibility, grid_optimum};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::path::Path;
-use crate::plan::Planner;
+use crate::plan::{Planner, Solution};
 use crate::query::Query;
 use serde::Serialize;
 
@@ -37,19 +37,20 @@ pub fn gap(length: f64, optimum: f64) -> Result<f64, PlanError> {
     Err(PlanError::CertificateFailed { stage: "reference", detail: format!("a path of {length:.9} m is shorter than the optimum of {optimum:.9} m") })
 }
 
-/// Computes the exact optima of a query for a path of length `raw_length` (m) of any planner.
+/// Computes the exact optima of a query for a path of length `raw_length` (m) of any planner. `known` is what [`Visibility`] found for this very
+/// query, if it has been asked already.
 /// # Errors
 /// [`PlanError::CertificateFailed`] if the path is shorter than the any-angle optimum (or its bound), those of [`Query::validate`], and
 /// [`PlanError::Cancelled`]. That a lattice has no path, or that time ran out, is no error.
-pub fn reference(query: &Query, raw_length: f64, ctx: &mut Context) -> Result<Reference, PlanError> {
+pub fn reference(query: &Query, raw_length: f64, known: Option<Solution>, ctx: &mut Context) -> Result<Reference, PlanError> {
     query.validate()?;
-    let known = |found: Result<crate::plan::Solution, PlanError>| match found {
+    let found = |result: Result<Solution, PlanError>| match result {
         Ok(solution) => Ok(Some(solution)),
         Err(PlanError::NoPath(_)) => Ok(None),
         Err(other) => Err(other),
     };
-    let grid = known(grid_optimum(query, ctx))?.filter(|s| s.stop == Stop::Converged);
-    let exact = known(Visibility::default().plan(query, ctx))?;
+    let grid = found(grid_optimum(query, ctx))?.filter(|s| s.stop == Stop::Converged);
+    let exact = if known.is_some() { known } else { found(Visibility::default().plan(query, ctx))? };
     let proved = exact.as_ref().is_some_and(|s| s.stop == Stop::Converged);
     let bound = exact.as_ref().and_then(|s| s.trace["lower_bound"].as_f64());
     if let Some(bound) = bound {
@@ -79,7 +80,7 @@ mod tests {
 
     #[test]
     fn both_optima_by_hand() {
-        let found = reference(&one_square(), 5.0, &mut Context::new(0)).unwrap();
+        let found = reference(&one_square(), 5.0, None, &mut Context::new(0)).unwrap();
         assert!((found.grid_optimum.unwrap() - (2.0 + 2.0 * 2f64.sqrt())).abs() < 1e-12);
         let exact = 2.0 * 1.5f64.hypot(0.5) + 1.0;
         assert!((found.any_angle_optimum.unwrap() - exact).abs() < 1e-12);
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_path_below_the_optimum_is_refused() {
-        let error = reference(&one_square(), 4.1, &mut Context::new(0)).unwrap_err();
+        let error = reference(&one_square(), 4.1, None, &mut Context::new(0)).unwrap_err();
         assert_eq!(error.name(), "CertificateFailed");
         assert!(gap(1.0 - 1e-12, 1.0).is_ok() && gap(1.0 - 1e-8, 1.0).is_err());
     }

@@ -84,7 +84,12 @@ def _run(words: list[str]) -> int:
         parser.print_help()
         return 2
     arguments = parser.parse_args(_glued(words))
-    return int(arguments.handler(arguments))
+    from guideway.records import progress
+
+    try:
+        return int(arguments.handler(arguments))
+    finally:
+        progress.close()
 
 
 def _parser(verb: str | None) -> _Parser:

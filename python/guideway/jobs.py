@@ -103,7 +103,7 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "raw_path": _core.polyline(solution.path, query).tolist(),
         "metrics": _core.measure(refined.path, query),
         "search": search_record(solution),
-        "reference": reference_record(query, solution, quick),
+        "reference": reference_record(query, solution, quick, job.observe),
         "certificate": certificate,
         "unmet": refined.unmet,
         "trajectory": None if trajectory is None else trajectory_record(trajectory, job.limits),
@@ -163,12 +163,12 @@ def search_record(solution: _core.Solution) -> dict[str, Any]:
     }
 
 
-def reference_record(query: _core.Query, solution: _core.Solution, quick: bool) -> dict[str, Any]:
+def reference_record(query: _core.Query, solution: _core.Solution, quick: bool, observe: Observer | None = None) -> dict[str, Any]:
     """The exact optima of the same model and the gaps to them; null where there is none."""
     empty = {"grid_optimum": None, "grid_gap": None, "any_angle_optimum": None, "any_angle_gap": None, "proved": False, "path": None}
     if quick:
         return empty
-    return empty | _core.reference(query, solution)
+    return empty | _core.reference(query, solution, observe=observe)
 
 
 def trajectory_record(trajectory: _core.Trajectory, limits: Limits) -> dict[str, Any]:

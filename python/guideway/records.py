@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -72,33 +72,33 @@ class Limits:
         return asdict(self) | {"deceleration": self.acceleration if self.deceleration is None else self.deceleration}
 
 
-class _Bar:
-    """A progress bar on stderr, shown only on a terminal."""
+class Progress:
+    """An observer for ``observe=`` that shows a progress bar on stderr, if that is a terminal; it never stops the work."""
 
     def __init__(self) -> None:
         self._bar: Any = None
 
     def __call__(self, seen: dict[str, Any]) -> bool:
+        """Shows one state: share of the budget if there is one, best cost if there is one, and the time."""
         if not sys.stderr.isatty():
             return False
         if self._bar is None:
             from tqdm import tqdm
 
-            self._bar = tqdm(total=100, unit="%", leave=False, bar_format="{desc} {bar} {percentage:3.0f} % {elapsed}")
-        if seen["share"] is not None:
-            self._bar.n = round(100 * seen["share"])
-        self._bar.set_description_str(f"iteration {seen['iteration']}, best {seen['best']:.4g}", refresh=True)
+            self._bar = tqdm(total=100, leave=False, bar_format="{desc}")
+        share = seen["share"]
+        self._bar.bar_format = "{desc} {elapsed}" if share is None else "{desc} {bar} {percentage:3.0f} % {elapsed}"
+        self._bar.n = 0 if share is None else round(100 * share)
+        best = f"best {seen['best']:.4g}" if math.isfinite(seen["best"]) else "searching"
+        self._bar.set_description_str(best if seen["iteration"] == 0 else f"iteration {seen['iteration']}, {best}")
         return False
 
     def close(self) -> None:
-        """Removes the bar."""
+        """Removes the bar; the next call shows a new one."""
         if self._bar is not None:
             self._bar.close()
+            self._bar = None
 
 
-def progress(seen: dict[str, Any]) -> bool:
-    """An observer for ``observe=``: shows a progress bar on stderr if that is a terminal; never stops the planner."""
-    return _shared(seen)
-
-
-_shared: Callable[[dict[str, Any]], bool] = _Bar()
+progress = Progress()
+"""The observer to pass as ``observe=gw.progress``."""

@@ -69,10 +69,11 @@ fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
 
 /// The exact optima of the solution's own model and its gaps to them; None where there is no exact reference.
 #[pyfunction]
-pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution) -> PyResult<Bound<'py, PyAny>> {
+#[pyo3(signature = (query, solution, *, observe=None))]
+pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution, observe: Option<Py<PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
     let known = (solution.planner == "visibility" && solution.inner.stop != Stop::Cancelled).then(|| solution.inner.clone());
-    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| search::reference(inner, cost, known, ctx))?;
+    let (result, raised) = watched(py, 0, Budget::default(), 1, observe, |ctx| search::reference(inner, cost, known, ctx))?;
     raised.map_or(Ok(()), Err)?;
     let reference = result.or_py(py)?;
     let gap = |optimum: Option<f64>| optimum.map(|best| search::gap(cost, best)).transpose().or_py(py);

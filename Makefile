@@ -38,7 +38,9 @@ bench: $(VENV)/.tested
 
 docs: $(VENV)/.installed
 	cargo doc --no-deps --package guideway
-	$(BIN)/python docs/build.py
+	$(BIN)/python -m pip install --quiet -c constraints.txt pdoc
+	$(BIN)/pdoc --output-directory docs/_build guideway
+	@echo "Rust: target/doc/guideway/index.html   Python: docs/_build/index.html   Guides: docs/index.md"
 
 tools:
 	@command -v cargo >/dev/null || { echo "Guideway needs Rust (cargo) 1.88 or newer, and it is not on the PATH: install it with rustup, then run make again." >&2; exit 1; }

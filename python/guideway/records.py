@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -77,11 +78,14 @@ class Progress:
 
     def __init__(self) -> None:
         self._bar: Any = None
+        self._shown = 0.0
 
     def __call__(self, seen: dict[str, Any]) -> bool:
         """Shows one state: share of the budget if there is one, best cost if there is one, and the time."""
-        if not sys.stderr.isatty():
+        now = time.monotonic()
+        if now - self._shown < 0.1 or not sys.stderr.isatty():
             return False
+        self._shown = now
         if self._bar is None:
             from tqdm import tqdm
 

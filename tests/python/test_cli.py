@@ -7,6 +7,10 @@ import signal
 import subprocess
 import sys
 import time
+try:
+    import tomllib
+except ModuleNotFoundError:  # Python 3.10
+    import tomli as tomllib
 
 import jsonschema
 import numpy as np
@@ -176,3 +180,19 @@ def test_demo(tmp_path, capsys):
     jsonschema.validate(json.loads((tmp_path / "d/plan.json").read_text()), schemas.load("plan"))
     jsonschema.validate(json.loads((tmp_path / "d/run.json").read_text()), schemas.load("run"))
     assert main(["drive", "d/plan.json"]) == 0
+
+
+def test_scene_schema(tmp_path, data_files):
+    schema = schemas.load("scene")
+    for path in [tmp_path / "room.toml", *data_files]:
+        jsonschema.validate(tomllib.loads(path.read_text()), schema)
+    wrong = tomllib.loads(ROOM.replace("radius", "raduis"))
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(wrong, schema)
+
+
+@pytest.fixture
+def data_files(tmp_path):
+    assert main(["demo", "--out", "d"]) == 0
+    assert main(["maps", "convert", "a.map", "b.toml"]) == 0
+    return [tmp_path / "d/demo.toml", tmp_path / "b.toml"]

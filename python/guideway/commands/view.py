@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from guideway.commands import options
+from guideway.errors import BadParameter
 
 EXAMPLES = """examples:
   guideway view plan.json --out plan.html
@@ -30,7 +31,10 @@ def handle(arguments: argparse.Namespace) -> int:
     if arguments.out.lower().endswith((".png", ".svg")):
         from guideway.view import figure
 
-        figure(records, worlds[0], arguments.out)
+        try:
+            figure(records, worlds[0], arguments.out)
+        except ImportError as missing:
+            raise BadParameter(str(missing)) from None
     else:
         from guideway.view import report
 

@@ -159,7 +159,7 @@ impl<'a> Check<'a> {
         let cap = self.best.max(self.query.clearance + 0.02 + 2.0 * self.query.world.resolution());
         let mut gap = if let [_] = self.outline[..] { self.gap(&[place.point], cap) } else { self.outline_gap(&place, cap) };
         if self.point && gap <= TOUCH && self.ground.engulfs(place.point, TOUCH) {
-            gap = -self.ground.depth(place.point).max(TOUCH);
+            gap = -self.ground.depth(place.point).max(2.0 * TOUCH);
         }
         if gap < self.best {
             self.at = s;
@@ -269,11 +269,9 @@ impl<'a> Check<'a> {
             // The way between two cuts lies in one cell or on one line.
             let place = grid.to_map(middle);
             if self.ground.engulfs(place, TOUCH) {
-                let depth = self.ground.depth(place);
-                self.note(-depth, place);
-                if depth > TOUCH {
-                    return Some(false);
-                }
+                // On the border of the map the point is not deep in the blocked cell, but the outside is no way either.
+                self.note(-self.ground.depth(place).max(2.0 * TOUCH), place);
+                return Some(false);
             }
             if !self.passes(middle) {
                 return Some(false);

@@ -44,16 +44,17 @@ impl<'a> Ground<'a> {
         self.world.shapes().iter().map(|s| shape_gap(s, body)).fold(cap, f64::min)
     }
 
-    /// Is every cell that `p` touches (within `eps` m) blocked?
+    /// Is every cell that `p` touches (within `eps` m) blocked or outside the map?
     pub fn engulfs(&self, p: Point, eps: f64) -> bool {
         self.grid.is_some_and(|grid| {
             let (q, eps) = (grid.to_cells(p), eps / grid.resolution());
             let span = |v: f64| (v - eps).floor() as i64..=(v + eps).floor() as i64;
-            span(q[1]).all(|y| span(q[0]).all(|x| set(grid.blocked(), x, y)))
+            let outside = |x: i64, y: i64| x.min(y) < 0 || x >= i64::from(grid.width()) || y >= i64::from(grid.height());
+            span(q[1]).all(|y| span(q[0]).all(|x| outside(x, y) || set(grid.blocked(), x, y)))
         })
     }
 
-    /// Distance from `p` to the nearest point outside the blocked cells, m.
+    /// Distance from `p` to the nearest point outside the blocked cells, on the map or not, m.
     pub fn depth(&self, p: Point) -> f64 {
         let Some(grid) = self.grid else { return 0.0 };
         let q = grid.to_cells(p);

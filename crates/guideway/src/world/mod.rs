@@ -213,13 +213,17 @@ impl World {
         {
             return grid.cell_at(p).is_some_and(|[x, y]| !grid.blocked().at(x, y));
         }
-        self.nearly_contains(p) && self.clearance_within(p, radius) >= radius - TOUCH
+        let seam = |grid: &Grid| !segment::point_free(grid.blocked(), grid.to_cells(p), grid.to_cells(p), TOUCH / grid.resolution());
+        self.nearly_contains(p)
+            && self.clearance_within(p, radius) >= radius - TOUCH
+            && !(radius <= 2.0 * TOUCH && self.grid.as_ref().is_some_and(seam))
     }
 
     /// Does a disc of radius `radius` (m) swept along the segment `a b` stay inside the world and out of the interior of every static obstacle?
     ///
     /// Exact up to 1e-9 m: touching is allowed. Radius 0 is a point: it may slide along walls and touch corners, but not pass along the shared edge of
-    /// two blocked cells, nor through the gap of width zero where two blocked cells meet at a corner (it may end there).
+    /// two blocked cells, nor between a blocked cell and the border of the map, nor through the gap of width zero where two blocked cells meet at a
+    /// corner (it may end there).
     pub fn segment_free(&self, a: Point, b: Point, radius: f64) -> bool {
         if !self.segment_inside(a, b) {
             return false;

@@ -1,6 +1,7 @@
 //! Straight motions against the blocked squares of a grid: exact tests, a row of bits at a time.
 //!
-//! Everything here is in the grid frame (cells); everything outside the grid is free.
+//! Everything here is in the grid frame (cells). Outside the grid there is no obstacle to keep a distance from, but for a point, which may slide along
+//! walls, the outside is one: between a blocked cell and the border of the grid there is no way.
 
 use super::bits::Bits;
 use crate::Point;
@@ -131,8 +132,8 @@ fn to_square(a: Point, b: Point, s: Point) -> f64 {
     super::shape::convex_distance(&[a, b], &c).max(0.0)
 }
 
-/// May a point slide along `a b`? Not through the inside of the union of the set squares, deeper than `eps`, and not through the gap of width
-/// zero between two squares that meet at a corner. Touching is allowed.
+/// May a point slide along `a b`? Not through the inside of the union of the set squares and the outside of the grid, deeper than `eps`, and not
+/// through the gap of width zero between two squares that meet at a corner. Touching is allowed.
 pub(super) fn point_free(set: &Bits, a: Point, b: Point, eps: f64) -> bool {
     interiors_free(set, a, b, eps) && seams_free(set, a, b, 2.0 * eps)
 }
@@ -178,13 +179,25 @@ fn seams_free(set: &Bits, a: Point, b: Point, eps: f64) -> bool {
         let (s, e) = if q[1] - p[1] <= 2.0 * eps { (p[0], q[0]) } else { (x_at(p, q, y - eps), x_at(p, q, y + eps)) };
         let (s, e) = (s.min(e), s.max(e));
         let (first, last) = ((s - 1.0 + eps).floor() as i64 + 1, (e - eps).ceil() as i64 - 1);
-        let shared = if shallow {
-            set.any_pair(line - 1, first, last)
-        } else {
-            (first..=last).any(|j| set.at_or_zero(line - 1, j) && set.at_or_zero(line, j))
-        };
+        let shared =
+            if shallow { any_pair(set, line - 1, first, last) } else { (first..=last).any(|j| shut(set, line - 1, j) && shut(set, line, j)) };
         !shared && pinches_free(set, [s, e], [line, i64::from(shallow)], (p, q, eps))
     })
+}
+
+/// Is the cell set or outside the grid?
+#[inline]
+fn shut(set: &Bits, x: i64, y: i64) -> bool {
+    x < 0 || y < 0 || x >= i64::from(set.width()) || y >= i64::from(set.height()) || set.at(x as u32, y as u32)
+}
+
+/// Is any column `x0 <= x <= x1` of the grid shut in both rows `y` and `y + 1`?
+fn any_pair(set: &Bits, y: i64, x0: i64, x1: i64) -> bool {
+    match y {
+        -1 => set.any(0, x0, x1),
+        _ if y + 1 == i64::from(set.height()) => set.any(y as u32, x0, x1),
+        _ => set.any_pair(y, x0, x1),
+    }
 }
 
 /// No corner on grid line `line` within `span` joins two set squares diagonally while the segment goes on at both sides of it.
@@ -196,19 +209,19 @@ fn pinches_free(set: &Bits, span: [f64; 2], [line, shallow]: [i64; 2], (p, q, ep
     })
 }
 
-/// Do exactly two set squares meet at corner `(x, y)`, diagonally?
+/// Do exactly two set squares meet at corner `(x, y)`, diagonally? Never on the border: there two neighbours are outside, or three.
 pub(super) fn pinched(set: &Bits, x: i64, y: i64) -> bool {
     let (sw, se, nw, ne) = (set.at_or_zero(x - 1, y - 1), set.at_or_zero(x, y - 1), set.at_or_zero(x - 1, y), set.at_or_zero(x, y));
     (sw && ne && !se && !nw) || (se && nw && !sw && !ne)
 }
 
-/// Is `p` farther than `eps` from both ends of, and within `eps` of, an edge that two set squares share? Also true at the middle of four set squares.
+/// Is `p` neither on an edge that two shut squares share (within `eps`, and farther than that from its ends) nor at the middle of four shut squares?
 fn seam_free_at(set: &Bits, p: Point, eps: f64) -> bool {
     let line = [p[0].round(), p[1].round()];
     let (i, j) = (line[0] as i64, line[1] as i64);
     let (on_x, on_y) = ((p[0] - line[0]).abs() <= eps, (p[1] - line[1]).abs() <= eps);
     let (x, y) = (p[0].floor() as i64, p[1].floor() as i64);
-    let at = |x, y| set.at_or_zero(x, y);
+    let at = |x, y| shut(set, x, y);
     match (on_x, on_y) {
         (true, true) => !(at(i - 1, j - 1) && at(i, j - 1) && at(i - 1, j) && at(i, j)),
         (true, false) => !(at(i - 1, y) && at(i, y)),

@@ -183,3 +183,22 @@ fn unseen_cells_are_counted() {
     assert_eq!(scattered(0.1, 1, [0.0; 3]).unknown_share(), 0.0);
     assert!(Grid::new(Bits::new(4, 5), Some(Bits::new(5, 4)), 1.0, [0.0; 3]).is_err());
 }
+
+#[test]
+fn a_point_does_not_slip_past_blocked_cells_on_the_border() {
+    let mut bits = Bits::new(5, 3);
+    for y in 0..3 {
+        bits.set(2, y, true);
+    }
+    let world = World::from_grid(Grid::new(bits, None, 0.5, [0.0; 3]).unwrap());
+    let with_shape = World::from_grid(world.grid().unwrap().clone()).with_shapes(vec![Shape::disc([-3.0, 0.0], 0.1).unwrap()]);
+    for world in [&world, &with_shape] {
+        for y in [0.0, 1.5] {
+            assert!(!world.segment_free([0.2, y], [2.2, y], 0.0) && !world.segment_free([2.2, y], [0.2, y], 0.0));
+            assert!(world.segment_free([0.2, y], [1.0, y], 0.0) && world.segment_free([1.5, y], [2.5, y], 0.0));
+            assert!(!world.segment_free([1.1, y], [1.2, y], 0.0) && !world.segment_free([1.2, y], [1.2, y], 0.0));
+            assert!(!world.fits([1.25, y], 0.0) && world.fits([0.25, y], 0.0));
+        }
+        assert!(world.segment_free([0.0, 0.0], [0.0, 1.5], 0.0) && world.segment_free([2.5, 0.0], [2.5, 1.5], 0.0));
+    }
+}

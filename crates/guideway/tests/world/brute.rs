@@ -62,7 +62,8 @@ pub fn segment_to_square(a: Point, b: Point, s: Point) -> f64 {
     (0..4).map(|i| shape::segment_segment(a, b, c[i], c[(i + 1) % 4])).fold(f64::INFINITY, f64::min)
 }
 
-/// Exact for a point robot: between two crossings of grid lines a segment stays in one cell or on one line, so its middle tells.
+/// Exact for a point robot: between two crossings of grid lines a segment stays in one cell or on one line, so its middle tells whether it keeps to a
+/// free cell (closed).
 pub fn point_free(bits: &Bits, a: Point, b: Point) -> bool {
     let at = |t: f64| [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
     let mut cuts = vec![0.0, 1.0];
@@ -80,8 +81,10 @@ pub fn point_free(bits: &Bits, a: Point, b: Point) -> bool {
         let (x, y) = (p[0].round(), p[1].round());
         (p[0] - x).abs().max((p[1] - y).abs()) < 1e-7 && pinched(bits, x, y)
     };
-    let middles = cuts.windows(2).all(|w| signed(bits, at(f64::midpoint(w[0], w[1]))) > -1e-6);
-    middles && signed(bits, a) > -1e-6 && signed(bits, b) > -1e-6 && !cuts.iter().any(|&t| t > 1e-9 && t < 1.0 - 1e-9 && through(t))
+    let cells = squares(bits, false);
+    let open = |p: Point| cells.iter().any(|&s| to_square(p, s) < 1e-6);
+    let middles = cuts.windows(2).all(|w| open(at(f64::midpoint(w[0], w[1]))));
+    middles && open(a) && open(b) && !cuts.iter().any(|&t| t > 1e-9 && t < 1.0 - 1e-9 && through(t))
 }
 
 /// Do two set squares meet at this corner diagonally?

@@ -255,3 +255,51 @@ fn never_above_and_hardly_below_a_dense_graph() {
     println!("{solved} solved, {unsolved} without a path");
     assert!(solved > 100 && unsolved > 10);
 }
+
+/// A point on the border of the map whose own cell is free.
+fn border_point(rng: &mut ChaCha8Rng, world: &World) -> Option<Point> {
+    let [w, h] = world.cells().map(f64::from);
+    (0..60)
+        .map(|_| {
+            let t = rng.random::<f64>();
+            let t = if rng.random_bool(0.5) { t } else { (t * 8.0).round() / 8.0 };
+            let q = [[t * w, 0.0], [t * w, h], [0.0, t * h], [w, t * h]][rng.random_range(0..4)];
+            world.cell_to_map(q)
+        })
+        .find(|&p| world.fits(p, 0.0))
+}
+
+/// No planner slips between a blocked cell and the border, and the optimum for a point is that of the whole visibility graph, on the border too.
+#[test]
+fn the_border_is_no_way_past_blocked_cells() {
+    let mut rng = ChaCha8Rng::seed_from_u64(12);
+    let (mut solved, mut unsolved) = (0, 0);
+    for case in 0..300 {
+        let (w, h) = (rng.random_range(2..9), rng.random_range(2..9));
+        let mut bits = Bits::new(w, h);
+        for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+            let rim = x == 0 || y == 0 || x + 1 == w || y + 1 == h;
+            bits.set(x, y, rng.random_bool(if rim { 0.4 } else { 0.45 }));
+        }
+        let world = World::from_grid(Grid::new(bits, None, 1.0, [0.0; 3]).unwrap());
+        let (Some(start), Some(goal)) = (border_point(&mut rng, &world), border_point(&mut rng, &world)) else { continue };
+        let mut query = disc_query(world, start, goal, 0.0);
+        // A corner of the graph may be bent around from any side.
+        query.corners = crate::world::Corners::Squeeze;
+        let truth = dense(&query, 0.12);
+        let found = Visibility::default().plan(&query, &mut Context::new(0)).ok();
+        let cost = found.as_ref().map_or(f64::INFINITY, |s| s.cost);
+        assert!(cost == truth || (cost - truth).abs() < 1e-9, "case {case}: {cost} instead of {truth}");
+        query.corners = crate::world::Corners::Touch;
+        let exact = Visibility::default().plan(&query, &mut Context::new(0)).map_or(f64::INFINITY, |s| s.cost);
+        for name in ["theta-star", "lazy-theta-star", "astar"] {
+            if let Ok(other) = crate::plan::planner(name, serde_json::Value::Null).unwrap().plan(&query, &mut Context::new(0)) {
+                assert!(other.cost >= exact * (1.0 - 1e-9), "case {case}: {name} {} beats {exact}", other.cost);
+                assert!(crate::certify::collision(&other.path, &query, Some(0.05)).ok, "case {case}: {name}");
+            }
+        }
+        if cost.is_finite() { solved += 1 } else { unsolved += 1 }
+    }
+    println!("{solved} solved, {unsolved} without a path");
+    assert!(solved > 100 && unsolved > 20);
+}

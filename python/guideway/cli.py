@@ -71,7 +71,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MemoryError:
         _say("out of memory. Use a smaller or coarser map (guideway maps info shows its size).")
         return 2
-    except BaseException as error:
+    except OSError as error:
+        if debug:
+            raise
+        _say(
+            f"{error.filename or 'a file'}: it cannot be used ({error.strerror or error}). Check the name, the permissions and the space on the disk."
+        )
+        return 2
+    except BaseException as error:  # a panic of the compiled core is not an Exception
         if debug:
             raise
         _say(f"internal error ({type(error).__name__}: {error}). This is a bug in Guideway; run again with --debug for the details and report it.")
@@ -84,12 +91,7 @@ def _run(words: list[str]) -> int:
         parser.print_help()
         return 2
     arguments = parser.parse_args(_glued(words))
-    from guideway.records import progress
-
-    try:
-        return int(arguments.handler(arguments))
-    finally:
-        progress.close()
+    return int(arguments.handler(arguments))
 
 
 def _parser(verb: str | None) -> _Parser:

@@ -42,8 +42,8 @@ def drive(
 ) -> dict[str, Any]:
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
-    ``planner`` plans anew when the way is blocked, ``set`` holds parameters of the controller, ``arrival`` (m) is how near the goal counts as arrived,
-    ``time_limit`` is in s (default three times the planned duration and a minute). Source of the classic controller: Fox, Burgard and Thrun 1997.
+    ``controller`` is one of :func:`guideway.controllers`, ``set`` holds its parameters; ``planner`` plans anew when the way is blocked; ``arrival``
+    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute).
     """
     limits = Limits(**trajectory.limits)
     asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit, observe)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -182,8 +181,3 @@ def cell_to_point(world: _core.World, cell: tuple[int, int]) -> tuple[float, flo
     """Centre (m) of a cell as the image has it: column, row, row 0 on top."""
     x, y = world.cell_centers([cell])[0].tolist()
     return x, y
-
-
-def finite(value: float) -> float | None:
-    """JSON has no infinity."""
-    return value if math.isfinite(value) else None

@@ -9,21 +9,15 @@ from typing import Any
 
 from guideway._core import World
 from guideway.errors import BadFile
-
-LARGEST = 1 << 30
-"""Largest record that is read, bytes."""
+from guideway.io import files
 
 
 def load_record(path: str | os.PathLike[str]) -> dict[str, Any]:
     """A record from a JSON file. Raises :class:`BadFile` if it is missing, too large, not JSON, or not a record of Guideway."""
-    where = os.fspath(path)
+    where = files.name(path)
     try:
-        if not Path(path).is_file():
-            raise BadFile(where, "there is no such file", "a plan.json or run.json")
-        if Path(path).stat().st_size > LARGEST:
-            raise BadFile(where, "it is too large", f"at most {LARGEST} bytes")
-        record = json.loads(Path(path).read_bytes(), parse_constant=_no_constant)
-    except (OSError, ValueError, RecursionError) as error:
+        record = json.loads(files.load(path).data(), parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
         raise BadFile(where, f"it cannot be read as JSON ({error})", "a plan.json or run.json written by guideway") from None
     if not isinstance(record, dict) or "guideway" not in record or record.get("schema") != 1:
         raise BadFile(where, "it is not a record of guideway", 'an object with "guideway" and "schema": 1')

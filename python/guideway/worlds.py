@@ -22,7 +22,9 @@ def load(path: str | os.PathLike[str], **options: Any) -> World:
 def world_of(found: GridMap | Scene) -> World:
     """A core world from what a reader returned."""
     if isinstance(found, GridMap):
-        return World(found.blocked, found.resolution, found.origin, unknown=found.unknown, source=str(found.source), sha256=found.sha256, files=found.files)
+        return World(
+            found.blocked, found.resolution, found.origin, unknown=found.unknown, source=str(found.source), sha256=found.sha256, files=found.files
+        )
     shapes = [shape.to_dict() for shape in found.shapes]
     movers = [mover.to_dict() for mover in found.movers]
     common: dict[str, Any] = {"shapes": shapes, "movers": movers, "source": str(found.source), "sha256": found.sha256, "files": found.files}

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+
 try:
     import tomllib
 except ModuleNotFoundError:  # Python 3.10
@@ -15,6 +16,7 @@ except ModuleNotFoundError:  # Python 3.10
 import jsonschema
 import numpy as np
 import pytest
+
 from guideway import schemas
 from guideway.cli import main
 

@@ -1,6 +1,7 @@
 """Bad input on the command line: one short paragraph that names the thing, exit status 2 (3 where the input is fine but there is no result)."""
 
 import pytest
+
 from guideway.cli import main
 
 MAP = "type octile\nheight 3\nwidth 4\nmap\n....\n.@..\n....\n"
@@ -25,7 +26,9 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "scene.toml").write_text(SCENE)
     (tmp_path / "empty.yaml").write_text("")
     (tmp_path / "junk.yaml").write_bytes(bytes(range(256)))
-    (tmp_path / "lost.yaml").write_text("image: nowhere.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n")
+    (tmp_path / "lost.yaml").write_text(
+        "image: nowhere.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+    )
     (tmp_path / "noquery.toml").write_text(SCENE[: SCENE.index("[query]")])
     (tmp_path / "badfield.toml").write_text(SCENE.replace("radius = 1.0", "radius = -1.0"))
     (tmp_path / "unknownkey.toml").write_text(SCENE.replace("radius", "raduis"))

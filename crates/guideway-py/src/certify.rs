@@ -70,7 +70,7 @@ fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
 /// The exact optima of the solution's own model and its gaps to them; None where there is no exact reference.
 #[pyfunction]
 #[pyo3(signature = (query, solution, *, observe=None))]
-pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution, observe: Option<Py<PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution, observe: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
     let known = (solution.planner == "visibility" && solution.inner.stop != Stop::Cancelled).then(|| solution.inner.clone());
     let (result, raised) = watched(py, 0, Budget::default(), 1, observe, |ctx| search::reference(inner, cost, known, ctx))?;

@@ -51,7 +51,8 @@ impl Trajectory {
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.inner.limits)
     }
-    /// State at time t (s): t, s, pose, speed, acceleration, jerk, curvature, turn_rate.
+    /// State at time `t` (s), a dictionary: `t` (s), `s` (m), `pose` (m, m, rad), `speed` (m/s), `acceleration` (m/s2), `jerk` (m/s3), `curvature`
+    /// (1/m), `turn_rate` (rad/s).
     fn at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.inner.at(t))
     }
@@ -119,7 +120,7 @@ pub fn drive<'py>(
     arrival: f64,
     stop_at_goal: bool,
     time_limit: Option<f64>,
-    observe: Option<Py<PyAny>>,
+    observe: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let again = plan::planner(planner, serde_json::Value::Null).or_py(py)?;

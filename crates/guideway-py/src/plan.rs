@@ -111,7 +111,7 @@ pub fn plan(
     seed: u64,
     budget: Option<&Bound<'_, PyAny>>,
     set: Option<&Bound<'_, PyDict>>,
-    observe: Option<Py<PyAny>>,
+    observe: Option<&Bound<'_, PyAny>>,
     threads: usize,
 ) -> PyResult<Solution> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
@@ -136,9 +136,10 @@ pub fn watched<T: Send>(
     seed: u64,
     budget: Budget,
     threads: usize,
-    observe: Option<Py<PyAny>>,
+    observe: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&mut Context<'_>) -> T + Send,
 ) -> PyResult<(T, Option<PyErr>)> {
+    let observe = observe.map(|o| o.clone().unbind());
     let mut raised = None;
     let mut observer = |progress: &Progress| {
         let asked = Python::attach(|py| {

@@ -57,7 +57,8 @@ pub fn polyline<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bo
     points(py, &rows)
 }
 
-/// Length (m), turns, total_turning (rad), min_clearance (m or None), max_curvature (1/m, None at corners), smoothness, energy.
+/// Measures a path: `length` (m), `turns`, `total_turning` (rad), `min_clearance` (m or None), `max_curvature` (1/m, None at corners), `smoothness` (1 is
+/// straight), `energy` (cells and half a unit per turn), as in `plan.json`.
 #[pyfunction]
 pub fn measure<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bound<'py, PyAny>> {
     let radius = query.inner.footprint.circumscribed();

@@ -59,7 +59,7 @@ impl World {
         Ok(Self { inner: Arc::new(inner.with_movers(movers)), source, sha256, files: files.unwrap_or_default() })
     }
 
-    /// Reads a map (map_server YAML, Moving AI, text) or the world of a scene TOML.
+    /// Reads a map (`map_server` YAML, Moving AI, text) or the world of a scene TOML.
     #[staticmethod]
     #[pyo3(signature = (path, **options))]
     fn load<'py>(py: Python<'py>, path: &Bound<'py, PyAny>, options: Option<&Bound<'py, pyo3::types::PyDict>>) -> PyResult<Bound<'py, PyAny>> {
@@ -146,12 +146,12 @@ impl World {
         self.inner.segment_free(a, b, radius)
     }
 
-    /// Exact shortest lattice path of a point robot between two cells (column, row), row 0 on top, by jump point search.
+    /// Exact shortest lattice path of a point robot between two cells (column, row), row 0 on top, by jump point search \[harabor2011\], \[harabor2014\].
     ///
     /// Returns (length in cells, turning points as (column, row) from start to goal), or None if a cell is blocked or outside or there is no path. The lean
-    /// call for many queries: no certificate, no record. `corners` as in `Query`. Source: Harabor and Grastien 2014.
+    /// call for many queries: no certificate, no record. `corners` as in `Query`.
     #[pyo3(signature = (start, goal, corners="clear"))]
-    fn shortest(&self, py: Python<'_>, start: [u32; 2], goal: [u32; 2], corners: &str) -> PyResult<Option<(f64, Vec<(u32, u32)>)>> {
+    fn shortest(&self, py: Python<'_>, start: [u32; 2], goal: [u32; 2], corners: &str) -> PyResult<Option<(f64, Turns)>> {
         let corners = crate::query::corner_rule(py, corners)?;
         let lattice = self.inner.lattice(0.0);
         let Some(top) = lattice.height().checked_sub(1).filter(|top| start[1] <= *top && goal[1] <= *top) else { return Ok(None) };
@@ -181,6 +181,9 @@ impl World {
     }
 }
 
+/// Turning points of a lattice path as (column, row), row 0 on top.
+type Turns = Vec<(u32, u32)>;
+
 fn movers(objects: &Bound<'_, PyAny>) -> PyResult<Vec<Mover>> {
     let movers: Vec<Mover> = from_python("movers", objects)?;
     movers.into_iter().map(Mover::validated).collect::<Result<_, _>>().or_py(objects.py())
@@ -188,7 +191,7 @@ fn movers(objects: &Bound<'_, PyAny>) -> PyResult<Vec<Mover>> {
 
 /// Distance from each cell's centre to the centre of the nearest blocked cell, in cells; infinite if none is blocked.
 ///
-/// `blocked` has shape (height, width); the result is float64 of the same shape. Exact (Felzenszwalb and Huttenlocher 2012).
+/// `blocked` has shape (height, width); the result is float64 of the same shape. Exact \[felzenszwalb2012\].
 #[pyfunction]
 pub fn distance_transform<'py>(py: Python<'py>, blocked: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let bits = bits(blocked, Rows::AsGiven)?;
@@ -214,7 +217,7 @@ fn bits(object: &Bound<'_, PyAny>, rows: Rows) -> PyResult<Bits> {
     }
     let bad = |_| to_py(py, &PlanError::bad("blocked", "the value given", "a boolean array of shape (height, width), true where blocked"));
     let array = py.import("numpy")?.call_method1("asarray", (object, "bool")).map_err(bad)?;
-    pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(|e| bad(e.into()))?, rows)
+    pack(py, &array.extract::<PyReadonlyArray2<'_, bool>>().map_err(bad)?, rows)
 }
 
 /// Up to eight cells as the bits of a byte: one multiplication moves bit 0 of byte `i` to bit `56 + i`.

@@ -68,7 +68,9 @@ fn checker() {
     for footprint in [Footprint::Disc(0.0), Footprint::Disc(0.3), Footprint::Box([0.6, 0.4])] {
         let path = Path::polyline(&points);
         let query = Query { footprint, ..Query::new(Arc::clone(&world), points[0], points[25]) };
-        let seconds = least(15, || drop(black_box(collision(&path, &query, Some(0.01)))));
+        let seconds = least(15, || {
+            black_box(collision(&path, &query, Some(0.01)));
+        });
         let found = collision(&path, &query, Some(0.01));
         println!("{:?}: {:.1} m, {} samples, ok {}: {:.2} ms", query.footprint, path.length(), found.samples, found.ok, seconds * 1e3);
     }

@@ -12,11 +12,16 @@ from guideway.commands import drive as drive_verb
 from guideway.commands import options
 from guideway.commands import plan as plan_verb
 
+EXAMPLES = """examples:
+  guideway demo
+  guideway demo --out tour --seed 3"""
+
 FILES = ("demo.toml", "warehouse.yaml", "warehouse.png")
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
+    parser.epilog = EXAMPLES
     parser.add_argument("--out", metavar="DIR", default="guideway-demo", help="folder for the results (default guideway-demo)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default 0)")
     parser.set_defaults(handler=handle)
@@ -24,13 +29,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
-    from guideway.io import load
+    from guideway.io import load_scene
     from guideway.view import report
 
     options.count("--seed", arguments.seed)
     folder = arguments.out
     unpack(folder)
-    job = plan_verb.job_of_scene(load(os.path.join(folder, FILES[0])))
+    job = plan_verb.job_of_scene(load_scene(os.path.join(folder, FILES[0])))
     outcome = jobs.run(job, folder)
     options.write(os.path.join(folder, "plan.json"), options.sealed_json(outcome.record))
     print(f"A transfer robot in a warehouse of {_size(outcome)}, among fork lifts and people.\n")
@@ -55,7 +60,7 @@ def unpack(folder: str) -> None:
     except OSError as error:
         raise BadFile(folder, f"the folder cannot be made ({error.strerror})", "", "Choose another place with --out") from None
     for name in FILES:
-        with as_file(files("guideway").joinpath("data", name)) as path:
+        with as_file(files("guideway").joinpath("data").joinpath(name)) as path:
             shutil.copyfile(path, os.path.join(folder, name))
 
 

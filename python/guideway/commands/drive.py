@@ -7,9 +7,10 @@ import os
 import sys
 from typing import Any
 
-from guideway import _core, driving, jobs, records
+from guideway import _core, driving, jobs
 from guideway.commands import options
 from guideway.errors import BadFile, BadParameter
+from guideway.io.types import Scene
 
 EXAMPLES = """examples:
   guideway drive plan.json --out run.json --report run.html
@@ -22,13 +23,13 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EXAMPLES
     parser.add_argument("plan", metavar="PLAN.json|SCENE.toml", help="a plan, or a scene with a query to plan first")
     parser.add_argument("--planner", metavar="NAME", help="plans a scene, and again when the way is blocked (default visibility)")
-    parser.add_argument("--controller", metavar="NAME", help="default " + driving.Drive.controller + "; 'list' names them all")
+    parser.add_argument("--controller", metavar="NAME", help=f"what steers (default {driving.Drive.controller}; 'list' names them all)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter of the controller; may be repeated")
     parser.add_argument("--movers", metavar="FILE", help="moving obstacles instead of the scene's own: TOML with [[mover]] tables")
-    parser.add_argument("--sense", default="truth", metavar="HOW", help="truth")
-    parser.add_argument("--map", default="known", metavar="HOW", help="known")
-    parser.add_argument("--plant", default="unicycle", metavar="NAME", help="unicycle")
-    parser.add_argument("--time-limit", type=float, metavar="S", help="longest run, s")
+    parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), with the noise of the plant")
+    parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), all of it")
+    parser.add_argument("--plant", default="unicycle", metavar="NAME", help="what is driven: unicycle (default), with lags and noise")
+    parser.add_argument("--time-limit", type=float, metavar="S", help="longest run, s (default three times the planned duration and a minute)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default 0)")
     parser.add_argument("--out", metavar="FILE", help="the record as JSON")
     parser.add_argument("--report", metavar="FILE", help="a self-contained HTML report")
@@ -45,7 +46,8 @@ def handle(arguments: argparse.Namespace) -> int:
     _check(arguments)
     options.writable(arguments.out, arguments.report)
     drive, plan = drive_of(arguments)
-    record = driving.run(drive, options.folder_of(arguments.out))
+    with options.progress_bar() as drive.observe:
+        record = driving.run(drive, options.folder_of(arguments.out))
     _deliver(arguments, record, plan, drive.query.world)
     if record["cancelled"]:
         return 130
@@ -69,7 +71,7 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
     drive.planner = arguments.planner or drive.planner
     drive.controller = arguments.controller or drive.controller
     drive.set = dict(options.setting(text) for text in arguments.set)
-    drive.seed, drive.observe = arguments.seed, records.progress if sys.stderr.isatty() else None
+    drive.seed = arguments.seed
     drive.time_limit = arguments.time_limit or drive.time_limit
     return drive, plan
 
@@ -93,7 +95,7 @@ def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str,
     from guideway.io import load
 
     scene = load(arguments.plan)
-    if scene.kind != "scene":
+    if not isinstance(scene, Scene):
         raise BadFile(arguments.plan, "it is a map without a query", "a plan.json, or a scene TOML with a [query] table", "Plan on it first")
     job = job_of_scene(scene)
     job.world = _with_movers(job.world, arguments.movers)

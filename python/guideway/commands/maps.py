@@ -14,20 +14,22 @@ EXAMPLES = """examples:
   guideway maps convert barn_worlds.json.gz#7 barn7.toml
   guideway maps view warehouse.yaml --out warehouse.png"""
 
+_MAP = "map_server *.yaml, Moving AI *.map, text *.txt, scene *.toml, or number N of a collection (*.json#N)"
+
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
     parser.epilog = EXAMPLES
     actions = parser.add_subparsers(metavar="ACTION", required=True, dest="action")
     info = actions.add_parser("info", help="size, resolution, how much is free, how many separate areas")
-    info.add_argument("map", metavar="MAP")
+    info.add_argument("map", metavar="MAP", help=_MAP)
     info.add_argument("--json", action="store_true", help="the facts on stdout as JSON")
     convert = actions.add_parser("convert", help="between map_server, Moving AI, text and scene files")
     convert.add_argument("source", metavar="SRC[#N]", help="a map, a scene, or number N of a collection")
     convert.add_argument("target", metavar="DST", help="*.yaml, *.map, *.txt or *.toml")
     view = actions.add_parser("view", help="a picture of a map with its clearance")
-    view.add_argument("map", metavar="MAP")
-    view.add_argument("--out", metavar="FILE.png", required=True)
+    view.add_argument("map", metavar="MAP", help=_MAP)
+    view.add_argument("--out", metavar="FILE.png", required=True, help="the picture to write")
     parser.set_defaults(handler=handle)
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import os
 import sys
+from collections.abc import Iterator
 from typing import Any
 
 from guideway.errors import BadFile, BadParameter
+from guideway.records import Progress, progress
 
 
 def numbers(name: str, text: str, counts: tuple[int, ...], form: str) -> tuple[float, ...]:
@@ -104,6 +107,18 @@ def writable(*paths: str | None) -> None:
             raise BadFile(path, f"its folder {folder!r} does not exist", "", "Create it or choose another place")
         if os.path.isdir(path):
             raise BadFile(path, "it is a folder", "a file name")
+
+
+@contextlib.contextmanager
+def progress_bar() -> Iterator[Progress | None]:
+    """An observer that shows a progress bar, gone when the work is done; None where stderr is not a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    try:
+        yield progress
+    finally:
+        progress.close()
 
 
 def note(message: str) -> None:

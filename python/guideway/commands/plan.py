@@ -11,6 +11,7 @@ from typing import Any
 from guideway import _core, jobs, records
 from guideway.commands import options
 from guideway.errors import BadParameter
+from guideway.io.types import GridMap, Scene
 from guideway.worlds import footprint_record, world_of
 
 EXAMPLES = """examples:
@@ -18,7 +19,15 @@ EXAMPLES = """examples:
   guideway plan room.toml --report room.html
   guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
   guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100
-  guideway plan --list pso-aco"""
+  guideway plan --list jump-point"""
+
+LIMITS = (
+    ("speed", "V", "m/s (default 1)"),
+    ("acceleration", "A", "m/s2 (default 0.5)"),
+    ("deceleration", "D", "m/s2 (default: the acceleration)"),
+    ("jerk", "J", "m/s3 (default 2)"),
+)
+"""Option, letter, unit and default of each limit."""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -36,16 +45,16 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--via", metavar="X,Y", action="append", help="a point to pass, in order; may be repeated")
     where.add_argument("--footprint", metavar="SHAPE", help="disc:R, box:L,W or polygon:x,y;x,y;... in m (default a point)")
     where.add_argument("--clearance", type=float, metavar="M", help="distance to keep from obstacles, m (default 0)")
-    where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed")
-    where.add_argument("--material", metavar="KIND", help="standard (shortest), long (safest) or heavy (least energy)")
+    where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed (default by material)")
+    where.add_argument("--material", metavar="KIND", help="standard (shortest, default), long (safest) or heavy (least energy)")
     where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
     where.add_argument("--thresholds", choices=["inclusive", "strict"], help="reading of map_server thresholds (default that of current Nav2)")
     options.add_method(parser)
     shape = parser.add_argument_group("motion")
     shape.add_argument("--refine", metavar="HOW", help="none, simplify or smooth (default)")
     shape.add_argument("--max-curvature", type=float, metavar="K", help="largest curvature, 1/m; met where it can be, reported where not")
-    for name, unit in (("speed", "m/s"), ("acceleration", "m/s2"), ("deceleration", "m/s2"), ("jerk", "m/s3")):
-        shape.add_argument(f"--{name}", type=float, metavar=name[0].upper(), help=f"largest {name}, {unit}")
+    for name, letter, about in LIMITS:
+        shape.add_argument(f"--{name}", type=float, metavar=letter, help=f"largest {name}, {about}")
     shape.add_argument("--no-timing", action="store_true", help="a path only, no motion in time")
     out = parser.add_argument_group("output")
     out.add_argument("--out", metavar="FILE", help="the record as JSON")
@@ -69,7 +78,8 @@ def handle(arguments: argparse.Namespace) -> int:
     job, out, report = job_of(arguments)
     options.writable(out, report, arguments.csv)
     try:
-        outcome = jobs.run(job, options.folder_of(out))
+        with options.progress_bar() as job.observe:
+            outcome = jobs.run(job, options.folder_of(out))
     except KeyboardInterrupt as interrupt:
         found = getattr(interrupt, "outcome", None)
         if found is not None:
@@ -86,12 +96,14 @@ def _check(arguments: argparse.Namespace) -> None:
         options.positive("--" + name.replace("_", "-"), getattr(arguments, name))
     for name in ("seed", "iterations", "evaluations", "limit", "threads"):
         options.count("--" + name, getattr(arguments, name))
+    if arguments.csv and arguments.no_timing:
+        raise BadParameter("--csv needs a motion in time: leave out --no-timing")
     for first, second in (("start", "start_cell"), ("goal", "goal_cell")):
         if getattr(arguments, first) and getattr(arguments, second):
             raise BadParameter(f"--{first} and --{second.replace('_', '-')} are two ways to say one thing: give one of them")
 
 
-def read(arguments: argparse.Namespace) -> Any:
+def read(arguments: argparse.Namespace) -> GridMap | Scene:
     """The map or scene, as the readers found it."""
     from guideway.io import load
 
@@ -102,9 +114,8 @@ def read(arguments: argparse.Namespace) -> Any:
 def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | None]:
     """The job: what the file says, overridden by the options; and where its results go."""
     found = read(arguments)
-    job = job_of_scene(found) if found.kind == "scene" else jobs.Job(world_of(found), (), ())
+    job, table = (job_of_scene(found), found.plan) if isinstance(found, Scene) else (jobs.Job(world_of(found), (), ()), None)
     world = job.world
-    table = found.plan if found.kind == "scene" else None
     for name in ("clearance", "corners", "material", "planner", "seed", "refine", "max_curvature"):
         given = getattr(arguments, name)
         if given is not None:
@@ -120,13 +131,12 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     job.budget = replace(job.budget, **given)
     job.threads = arguments.threads
     job.timing = not arguments.no_timing
-    job.observe = records.progress if sys.stderr.isatty() else None
     if job.refine not in ("none", "simplify", "smooth"):
         raise BadParameter(f"--refine {job.refine!r} is not known: one of none, simplify, smooth")
     return job, arguments.out or (table and table.out), arguments.report or (table and table.report)
 
 
-def job_of_scene(scene: Any) -> jobs.Job:
+def job_of_scene(scene: Scene) -> jobs.Job:
     """The job that a scene describes: its query, robot and ``[plan]`` table."""
     query, table, robot = scene.query, scene.plan, scene.robot
     job = jobs.Job(world_of(scene), (), (), footprint=footprint_record(robot.footprint))
@@ -162,7 +172,7 @@ def _pair(values: tuple[float, ...]) -> tuple[float, float]:
 
 
 def _limits(limits: records.Limits, arguments: argparse.Namespace) -> records.Limits:
-    given = {n: v for n in ("speed", "acceleration", "deceleration", "jerk") if (v := getattr(arguments, n)) is not None}
+    given = {n: v for n in (name for name, _, _ in LIMITS) if (v := getattr(arguments, n)) is not None}
     if "acceleration" in given and "deceleration" not in given:
         given["deceleration"] = given["acceleration"]  # a deceleration left out equals the acceleration
     return replace(limits, **given)
@@ -172,9 +182,7 @@ def _deliver(arguments: argparse.Namespace, outcome: jobs.Outcome, out: str | No
     record = outcome.record
     if out:
         options.write(out, options.sealed_json(record))
-    if arguments.csv:
-        if outcome.trajectory is None:
-            raise BadParameter("--csv needs a motion in time: leave out --no-timing")
+    if arguments.csv and outcome.trajectory is not None:
         options.write(arguments.csv, csv_text(outcome.trajectory))
     if report:
         from guideway.view import report as write_report
@@ -231,5 +239,3 @@ def _list(name: str, as_json: bool) -> int:
         if not entry["parameters"]:
             print("  no parameters")
     return 0
-
-

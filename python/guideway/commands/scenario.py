@@ -65,7 +65,9 @@ def _row(arguments: argparse.Namespace, world: _core.World, number: int, row: An
         budget = Budget(arguments.iterations, arguments.evaluations, arguments.seconds)
         settings = dict(options.setting(text) for text in arguments.set) or None
         begun = time.perf_counter()
-        solution = _core.plan(query, arguments.planner or "visibility", seed=arguments.seed or 0, budget=budget, set=settings)
+        solution = _core.plan(
+            query, arguments.planner or "visibility", seed=arguments.seed or 0, budget=budget, set=settings, threads=arguments.threads
+        )
         record["length"] = solution.cost
     except BadParameter:
         raise

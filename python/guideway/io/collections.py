@@ -1,7 +1,7 @@
 """Worlds out of collections: BARN (``barn_worlds.json.gz#7``) and DynaBARN (``dynabarn_worlds.json#3``), as scenes with query, robot and movers.
 
-BARN: Perille, Truong, Xiao, Stone, "Benchmarking Metric Ground Navigation", SSRR 2020; every obstacle is an upright cylinder, start and goal are
-those of the navigation challenge. DynaBARN: Nair et al., "DynaBARN", SSRR 2022; motions are keyframes (t, x, y) that repeat from the start, read
+BARN [perille2020]: every obstacle is an upright cylinder, start and goal are
+those of the navigation challenge. DynaBARN [nair2022]: motions are keyframes (t, x, y) that repeat from the start, read
 from ``dynabarn_traj.json`` beside the worlds and joined by straight lines. ``#N`` is the world's own number.
 """
 

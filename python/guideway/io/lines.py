@@ -1,6 +1,6 @@
 """Maps and scenarios made of lines: Moving AI ``.map`` and ``.scen``, text grids.
 
-Moving AI (N. Sturtevant, "Benchmarks for Grid-Based Pathfinding", IEEE TCIAIG 4(2), 2012): ``.``, ``G`` and ``S`` (ground, swamp) are free for a
+Moving AI [sturtevant2012]: ``.``, ``G`` and ``S`` (ground, swamp) are free for a
 ground robot; ``@``, ``O``, ``T`` and ``W`` (outside, trees, water) block. Resolution 1 m, origin (0, 0) at the lower-left corner of the lower-left
 cell.
 """

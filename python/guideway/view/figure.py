@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from guideway.files import write_whole
+
 from .geometry import Array, arc_length, footprint_radius, listed, outline, points
 from .profile import robot_footprint
-from .report import is_run, labels, write_whole
+from .report import is_run, labels
 from .scenery import BLOCKED, SHADE_SIDE, UNKNOWN, Scenery, field_cell, shading, shrink_field, shrink_walls
 
 COLOURS = ("#0072b2", "#007d59", "#a04a82", "#946200", "#7d4e2d", "#6b5fb5")

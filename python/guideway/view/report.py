@@ -6,11 +6,12 @@ import html
 import json
 import math
 import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+
+from guideway.files import write_whole
 
 from .geometry import listed
 from .profile import plan_profile, run_profile
@@ -31,7 +32,7 @@ def report(results: Sequence[Mapping[str, Any]], path: str | os.PathLike[str], w
     Raises ``TypeError`` or ``ValueError`` for results that are not dictionaries or worlds that do not match, ``OSError`` if writing fails.
     """
     target = Path(path)
-    write_whole(target, page(results, worlds, title).encode("utf-8"))
+    write_whole(target, page(results, worlds, title))
     return target
 
 
@@ -171,20 +172,3 @@ def default_title(results: Sequence[Mapping[str, Any]]) -> str:
         if isinstance(source, str) and source:
             return source.replace("\\", "/").rsplit("/", 1)[-1]
     return "Guideway report"
-
-
-def write_whole(target: Path, data: bytes) -> None:
-    """Writes beside the target, flushes to the disk, renames: a reader sees the old file or the new one, never a part."""
-    handle, beside = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(beside, 0o666 & ~mask)
-        os.replace(beside, target)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise

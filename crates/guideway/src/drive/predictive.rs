@@ -1,6 +1,7 @@
 //! A dynamic window that is steered by the planned motion and never gives up a free way to stop.
 //!
-//! Source: [fox1997] for the window, [kanayama1990] for following the path, passive safety after the project's notes on going beyond.
+//! Source: \[fox1997\] for the window, \[kanayama1990\] for following the path, passive safety (stand still before anything can be met) as in
+//! \[bouraine2012\].
 //! Manoeuvres: arcs of the dynamic window, and the path itself at shares of the speed planned, beside it by some offsets. Each is predicted twice in
 //! (place, time) against the static map and movers at constant velocity: turned into a full stop after one period, and driven on to the horizon.
 //! A manoeuvre is admitted only if the stop meets nothing while the robot moves. Where the robot would be met after the stop, going on for some time and

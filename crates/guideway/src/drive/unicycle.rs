@@ -1,6 +1,6 @@
 //! A unicycle (differential drive) with first-order actuator lags, limits, and noisy estimates.
 //!
-//! Source: project metrics, section 2 (lags, noise); the arc is integrated exactly per sub-step.
+//! Source: kinematic unicycle with first-order lags of both speeds; Gaussian noise. The arc is integrated exactly per sub-step.
 
 use super::{Command, Motion, Observation, Plant, Robot, arc};
 use crate::error::PlanError;

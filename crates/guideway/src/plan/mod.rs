@@ -110,8 +110,8 @@ pub const REGISTRY: &[Entry] = &[
         "Exact shortest lattice path by bit-parallel jump point search; the fastest",
         []
     ),
-    entry!("theta-star", search::ThetaStar, false, "nash2010theta", "Any-angle path over the lattice, near the optimum", []),
-    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010lazy", "Theta* that looks along a line only when it expands its end", []),
+    entry!("theta-star", search::ThetaStar, false, "daniel2010", "Any-angle path over the lattice, near the optimum", []),
+    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Theta* that looks along a line only when it expands its end", []),
     entry!(
         "visibility",
         search::Visibility,

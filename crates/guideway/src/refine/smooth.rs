@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 /// Smooths a path into one clamped cubic B-spline with continuous curvature that is proved free of collision.
 ///
-/// Source: arcs of the largest feasible radius, control points on legs and arcs, hull checks with subdivision, as usual for ant colony paths; the spline
+/// Source: arcs of the largest feasible radius, control points on legs and arcs, hull checks with subdivision, as usual for paths on grids; the spline
 /// is the variation-diminishing one of \[deboor1978\], chapter XI.
 /// Departures: the arcs go around the outside of corners that the path touches, so taut paths can be smoothed; near corners share one bend; knots are
 /// not uniform, so that long legs stay straight. Where nothing fits a corner stays (a triple knot): the robot turns in place there, and `unmet` says so.

@@ -1,6 +1,6 @@
 //! The speed ceiling along a path: `v_c(s) = min(v_m, sqrt(a_lat / |k|), w_max / |k|, clearance-based)`.
 //!
-//! Source: A-I-DE, closed loop; the stopping distance of its passive safety for the clearance-based part.
+//! Source: kinematics of a planar curve (`v^2 |k|` sideways, `v |k|` of turn rate); the clearance-based part is whatever the caller gives.
 //! Kept as the lowest value in each of many short cells, so that whatever stays below it in a cell stays below the ceiling everywhere in it.
 
 use super::scurve::{Profile, advance};

@@ -61,7 +61,8 @@ impl TimingOptions<'_> {
     }
 }
 
-/// Distance in which a motion at `speed` (m/s) without acceleration can stop, m. Source: A-I-DE, passive safety.
+/// Distance in which a motion at `speed` (m/s) without acceleration can stop, m. Acceleration falls to `-deceleration` and
+/// rises to zero at the jerk limit.
 pub fn stopping_distance(speed: f64, limits: &Limits) -> f64 {
     let (b, j) = (limits.deceleration, limits.jerk);
     if speed * j >= b * b { 0.5 * speed * (speed / b + b / j) } else { speed * (speed / j).sqrt() }

@@ -1,6 +1,6 @@
 //! A* with the octile distance, which never overestimates on the 8-connected lattice.
 //!
-//! Source: [hart1968]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
+//! Source: \[hart1968\]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
 
 use super::leg::{Engine, plan};
 use crate::context::Context;

@@ -1,6 +1,6 @@
 //! Dijkstra search on the lattice: no heuristic, so it also serves as the oracle of the others.
 //!
-//! Source: [dijkstra1959]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
+//! Source: \[dijkstra1959\]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
 
 use super::leg::{Engine, plan};
 use crate::context::Context;

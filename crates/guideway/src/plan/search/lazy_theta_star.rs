@@ -1,6 +1,6 @@
 //! Lazy Theta*: assumes that a cell sees its grandparent and looks only when the cell is expanded.
 //!
-//! Source: \[nash2010lazy\]. No parameters. Departures: as Theta*.
+//! Source: \[nash2010\]. No parameters. Departures: as Theta*.
 
 use super::sight::{Sight, Tree, plan, span};
 use crate::context::Context;

@@ -93,8 +93,8 @@ pub(super) struct Node<C> {
 
 /// Nodes and open list of one search; kept between searches for its memory.
 ///
-/// `slot` maps a place to its node. It is never cleared: an entry counts only if the node it names says so (the sparse set of Briggs and Torczon,
-/// *An efficient representation for sparse sets*, 1993), so starting a search costs nothing, whatever the size of the map.
+/// `slot` maps a place to its node. It is never cleared: an entry counts only if the node it names says so (the sparse set of
+/// \[briggs1993\]), so starting a search costs nothing, whatever the size of the map.
 pub(super) struct Open<C: Cost> {
     slot: Vec<u32>,
     pub(super) nodes: Vec<Node<C>>,

@@ -1,6 +1,6 @@
 //! Theta*: A* on the lattice whose parents may be any cell in sight.
 //!
-//! Source: \[nash2010theta\]. No parameters. Departures: exact lines of sight for discs; of equal estimates the cell farther from the
+//! Source: \[daniel2010\]. No parameters. Departures: exact lines of sight for discs; of equal estimates the cell farther from the
 //! start goes first. The path is near the any-angle optimum, never below it.
 
 use super::sight::{Sight, Tree, plan, span};

@@ -1,8 +1,7 @@
 //! The asymmetric seven-phase S-curve: one axis from `(0, v_s, a_s)` to `(distance, v_e, a_e)` in minimum time under limits of
 //! speed, acceleration, deceleration and jerk, each different if need be.
 //!
-//! Source: S-curve of the A-I-DE method, repaired and completed; see Berscheid and Kröger, "Jerk-limited real-time trajectory
-//! generation with arbitrary target states", 2021, for the general problem. The motion never reverses.
+//! Source: the asymmetric S-curve of \[zhang2025\], repaired and completed; see \[berscheid2021\] for the general problem. The motion never reverses.
 //!
 //! The guaranteed domain is `a_s >= 0`, `a_e <= 0` (seen in the direction of motion): there a plan exists exactly when the distance
 //! is at least that of the direct transition, and the plan is the fastest. Outside it the whole family of profiles with one bump or

@@ -76,7 +76,7 @@ pub(super) fn ramp_gain(from: f64, to: f64, bounds: &Bounds) -> f64 {
 /// The fastest change from one speed and acceleration to another; `None` if the accelerations are outside the limits. Speeds in
 /// between are not bounded.
 ///
-/// Source: A-I-DE, velocity transition, with a jerk limit per phase: `p^2 (1/J1 + 1/J2) / 2 = sigma dv + a0^2/(2 J) + a1^2/(2 J)`,
+/// Source: velocity transition of \[zhang2025\], with a jerk limit per phase: `p^2 (1/J1 + 1/J2) / 2 = sigma dv + a0^2/(2 J) + a1^2/(2 J)`,
 /// where the last two jerks are those of the phases in which the boundary accelerations vanish or are reached.
 pub fn transition(from: State1, to: State1, bounds: &Bounds) -> Option<Profile> {
     let mut builder = Builder::default();

@@ -1,6 +1,6 @@
 //! Jump point search, bit-parallel.
 //!
-//! Source: [`harabor2011`] (jump points, forced neighbours), [`harabor2014`] (block-wise scans and pruning of intermediate jump points, "JPS (B+P)").
+//! Source: \[harabor2011\] (jump points, forced neighbours), \[harabor2014\] (block-wise scans and pruning of intermediate jump points, "JPS (B+P)").
 //!
 //! A path is canonical if it turns from diagonal to straight wherever it can without growing longer; every shortest path can be made so. From a cell entered
 //! in direction `d`, only those neighbours matter that a canonical path can reach through it: `d` itself, the two straight parts of a diagonal `d`, and

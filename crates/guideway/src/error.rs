@@ -10,25 +10,63 @@ use serde::Serialize;
 pub enum PlanError {
     /// The robot does not fit at the start.
     #[error("start ({:.3}, {:.3}) is blocked: clearance there is {clearance:.3} m, the robot needs {needed:.3} m. Move the start or use a smaller footprint or clearance.", point[0], point[1])]
-    StartBlocked { point: Point, clearance: f64, needed: f64 },
+    StartBlocked {
+        /// The start, m.
+        point: Point,
+        /// Distance from it to the nearest obstacle, m.
+        clearance: f64,
+        /// Distance that the robot needs there, m.
+        needed: f64,
+    },
     /// The robot does not fit at the goal (or at a via point).
     #[error("goal ({:.3}, {:.3}) is blocked: clearance there is {clearance:.3} m, the robot needs {needed:.3} m. Move the goal or use a smaller footprint or clearance.", point[0], point[1])]
-    GoalBlocked { point: Point, clearance: f64, needed: f64 },
+    GoalBlocked {
+        /// The goal or via point, m.
+        point: Point,
+        /// Distance from it to the nearest obstacle, m.
+        clearance: f64,
+        /// Distance that the robot needs there, m.
+        needed: f64,
+    },
     /// A point lies outside the world.
     #[error("{what} ({:.3}, {:.3}) is outside the map, which covers x {:.3} to {:.3} m and y {:.3} to {:.3} m", point[0], point[1], bounds[0], bounds[2], bounds[1], bounds[3])]
-    OutsideMap { what: String, point: Point, bounds: [f64; 4] },
+    OutsideMap {
+        /// Which point it is, in a word.
+        what: String,
+        /// Where it is, m.
+        point: Point,
+        /// What the world covers, `[x0, y0, x1, y1]`, m.
+        bounds: [f64; 4],
+    },
     /// No path exists (`proved`), or none was found within the budget or the method's reach.
     #[error("{0}")]
     NoPath(Box<NoPath>),
     /// A parameter is outside its allowed range.
     #[error("{name} = {value} is not allowed: {allowed}")]
-    BadParameter { name: String, value: String, allowed: String },
+    BadParameter {
+        /// The parameter.
+        name: String,
+        /// The value that was given, as text.
+        value: String,
+        /// What is allowed, in words.
+        allowed: String,
+    },
     /// The motion asked for cannot be timed under the limits.
     #[error("infeasible motion: {reason}")]
-    Infeasible { reason: String, best_end_speed: Option<f64> },
+    Infeasible {
+        /// What stands against it, in words.
+        reason: String,
+        /// The end speed nearest to the one asked for that can be reached, m/s, where that is what failed.
+        best_end_speed: Option<f64>,
+    },
     /// A result failed the independent checker; it is an error, not a result.
     #[error("the {stage} failed its certificate: {detail}. This is a bug in Guideway, not in your input: please report it")]
-    CertificateFailed { stage: &'static str, detail: String },
+    CertificateFailed {
+        /// What was checked.
+        stage: &'static str,
+        /// Which check failed, and where.
+        detail: String,
+    },
     /// The caller cancelled before anything was found.
     #[error("cancelled before a result was found")]
     Cancelled,

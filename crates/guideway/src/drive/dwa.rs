@@ -1,10 +1,10 @@
 //! The classic dynamic window approach.
 //!
-//! Source: \[fox1997\]. `V_s`: limits of the base; `V_d`: what can be reached within a period; `V_a`: what can still be stopped before the first contact on
-//! the arc. The best of `heading`, `dist` and `velocity`, each divided by its sum over the candidates, is driven.
-//! Departures: the angular bound uses the arc's own angle, not metres; contacts include movers at constant velocity, in (arc, time); the distance driven
-//! during the reaction time is taken off the free distance; the target is a point of the planned path ahead (`look_ahead`; infinite means the goal
-//! itself, as in the source); speed is limited so that the base can stop at the goal.
+//! Source: \[fox1997\]. `V_s`: limits of the base; `V_d`: what can be reached within a period; `V_a`: what can still be stopped before the first
+//! contact on the arc. The best of `heading`, `dist` and `velocity`, each divided by its sum over the candidates, is driven.
+//! Departures: the angular bound uses the arc's own angle, not metres; contacts include movers at constant velocity, in (arc, time); the distance
+//! driven during the reaction time is taken off the free distance; the target is a point of the planned path ahead (`look_ahead`; infinite means
+//! the goal itself, as in the source); speed is limited so that the base can stop at the goal.
 
 use super::field::{Field, Margins, Met};
 use super::filter::Filter;

@@ -2,12 +2,12 @@
 //!
 //! Source: \[fox1997\] for the window, \[kanayama1990\] for following the path, passive safety (stand still before anything can be met) as in
 //! \[bouraine2012\].
-//! Manoeuvres: arcs of the dynamic window, and the path itself at shares of the speed planned, beside it by some offsets. Each is predicted twice in
-//! (place, time) against the static map and movers at constant velocity: turned into a full stop after one period, and driven on to the horizon.
-//! A manoeuvre is admitted only if the stop meets nothing while the robot moves. Where the robot would be met after the stop, going on for some time and
-//! stopping then must be free, else the manoeuvre ranks below all others. Of the admitted the one with the best sum of critics is driven. If that one will be
-//! met, or none is admitted, the robot gets out of the way: any manoeuvre, headings all around too, that leads to a place where it is not met, or is met
-//! last. No reverse.
+//! Manoeuvres: arcs of the dynamic window, and the path itself at shares of the speed planned, beside it by some offsets. Each is predicted twice
+//! in (place, time) against the static map and movers at constant velocity: turned into a full stop after one period, and driven on to the
+//! horizon. A manoeuvre is admitted only if the stop meets nothing while the robot moves. Where the robot would be met after the stop, going on
+//! for some time and stopping then must be free, else the manoeuvre ranks below all others. Of the admitted the one with the best sum of critics
+//! is driven. If that one will be met, or none is admitted, the robot gets out of the way: any manoeuvre, headings all around too, that leads to
+//! a place where it is not met, or is met last. No reverse.
 
 use super::dwa::{nearest, why, window};
 use super::field::{Field, Margins, Met};

@@ -1,8 +1,9 @@
 //! Tracks the timed motion: Kanayama's law on a clock that waits for the robot.
 //!
 //! Source: \[kanayama1990\]; the gains are our own, for robots of about 1 m/s.
-//! Departures: turns in place add `k_turn * e_theta`; poses are filtered with odometry; reference speeds lead by the actuator lag; the clock runs at a rate from 0 to 1, slower when the robot falls behind, 0 when something is on the
-//! path ahead, and the reference speeds scale with it, so that stops and restarts keep the acceleration limits.
+//! Departures: turns in place add `k_turn * e_theta`; poses are filtered with odometry; reference speeds lead by the actuator lag; the clock runs
+//! at a rate from 0 to 1, slower when the robot falls behind, 0 when something is on the path ahead, and the reference speeds scale with it, so
+//! that stops and restarts keep the acceleration limits.
 
 use super::filter::Filter;
 use super::{Command, Controller, Course, Decision, Observation, Reason, Setup, Track};

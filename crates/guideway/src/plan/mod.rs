@@ -40,6 +40,25 @@ pub struct Solution {
     pub memory: Option<Arc<dyn Any + Send + Sync>>,
 }
 
+impl Solution {
+    /// What a search found that ran to its end: `cost` in m, `expansions` nodes expanded; no cells.
+    fn of_search(path: Path, cost: f64, expansions: u64, ctx: &Context) -> Self {
+        Self {
+            path,
+            cells: None,
+            cost,
+            trajectory: None,
+            stop: Stop::Converged,
+            iterations: expansions,
+            evaluations: 0,
+            seconds: ctx.seconds(),
+            history: vec![(expansions, cost)],
+            trace: Value::Object(serde_json::Map::new()),
+            memory: None,
+        }
+    }
+}
+
 /// Plans a path. A planner is a plain struct of public parameters; all search state is local to the call.
 pub trait Planner: Send + Sync {
     /// Solves the query.

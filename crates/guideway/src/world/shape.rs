@@ -9,9 +9,17 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// Centre and radius, m.
-    Disc { center: Point, radius: f64 },
+    Disc {
+        /// m.
+        center: Point,
+        /// m.
+        radius: f64,
+    },
     /// Convex, counter-clockwise, at least three corners, m.
-    Polygon { points: Vec<Point> },
+    Polygon {
+        /// Corners, counter-clockwise, m.
+        points: Vec<Point>,
+    },
 }
 
 impl Shape {

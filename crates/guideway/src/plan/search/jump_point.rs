@@ -1,6 +1,7 @@
 //! Jump point search, bit-parallel; the engine is described in the module jump.
 //!
-//! Source: \[harabor2011\], \[harabor2014\]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest node goes first.
+//! Source: \[harabor2011\], \[harabor2014\]. No parameters. Departures: costs are exact integers (see `open.rs`); of equal estimates the youngest
+//! node goes first.
 
 use super::leg::{Engine, plan};
 use crate::context::Context;

@@ -72,19 +72,9 @@ pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<S
         legs.leg(pair[0], pair[1], ctx)?;
     }
     let cost = legs.steps.length() * lattice.resolution() + legs.stubs;
-    Ok(Solution {
-        path: Path::polyline(&legs.points),
-        cells: Some(legs.cells),
-        cost,
-        trajectory: None,
-        stop: Stop::Converged,
-        iterations: legs.steps.expansions,
-        evaluations: 0,
-        seconds: ctx.seconds(),
-        history: vec![(legs.steps.expansions, cost)],
-        trace: json!({ "engine": engine.on(&lattice, query.corners).name() }),
-        memory: None,
-    })
+    let trace = json!({ "engine": engine.on(&lattice, query.corners).name() });
+    let found = Solution::of_search(Path::polyline(&legs.points), cost, legs.steps.expansions, ctx);
+    Ok(Solution { cells: Some(legs.cells), trace, ..found })
 }
 
 /// The legs planned so far.

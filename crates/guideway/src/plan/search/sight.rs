@@ -8,7 +8,6 @@ use crate::path::Path;
 use crate::plan::Solution;
 use crate::query::Query;
 use crate::world::{Bits, Cell, Corners, Lattice, shape};
-use serde_json::json;
 use std::collections::BinaryHeap;
 
 /// Does a point see from one cell centre to another? Exact, in integers: closed blocked squares may be touched, the gap between two blocked cells that
@@ -227,19 +226,7 @@ pub(super) fn plan(query: &Query, ctx: &mut Context, expand: Expand) -> Result<S
         Ok(with_ends(query, from, cells.into_iter().map(|c| lattice.center(c)).collect(), to))
     })?;
     let cost = points.windows(2).map(|w| shape::distance(w[0], w[1])).sum();
-    Ok(Solution {
-        path: Path::polyline(&points),
-        cells: None,
-        cost,
-        trajectory: None,
-        stop: Stop::Converged,
-        iterations: expansions,
-        evaluations: 0,
-        seconds: ctx.seconds(),
-        history: vec![(expansions, cost)],
-        trace: json!({}),
-        memory: None,
-    })
+    Ok(Solution::of_search(Path::polyline(&points), cost, expansions, ctx))
 }
 
 /// Joins the exact ends to the centres and drops the first and last centre where the way past them is free.

@@ -1,8 +1,9 @@
 //! The exact any-angle optimum: the default planner, and the reference every other result is measured against.
 //!
-//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`); visibility graphs \[lozano1979\] with tangents and arcs for everything else (`tangent.rs`). No parameters.
-//! Departures: rows are scanned on the fly instead of a mesh; tangents are found lazily inside an ellipse that a lower bound sizes. Footprints other than
-//! discs are planned with their circumscribed disc.
+//! Sources: \[harabor2016\], \[cui2017\] for a point on a grid (`rows.rs`); visibility graphs \[lozano1979\] with tangents and arcs for
+//! everything else (`tangent.rs`). No parameters.
+//! Departures: rows are scanned on the fly instead of a mesh; tangents are found lazily inside an ellipse that a lower bound sizes. Footprints
+//! other than discs are planned with their circumscribed disc.
 
 mod circles;
 mod leg;
@@ -10,8 +11,9 @@ mod rows;
 mod runs;
 mod tangent;
 
+use super::leg::no_path;
 use crate::context::{Context, Stop};
-use crate::error::{NoPath, PlanError};
+use crate::error::PlanError;
 use crate::path::Path;
 use crate::plan::{Planner, Solution};
 use crate::query::Query;
@@ -51,19 +53,8 @@ impl Planner for Visibility {
                 }
             }
         }
-        Ok(Solution {
-            path: Path::polyline(&points),
-            cells: None,
-            cost,
-            trajectory: None,
-            stop: Stop::Converged,
-            iterations: expansions,
-            evaluations: 0,
-            seconds: ctx.seconds(),
-            history: vec![(expansions, cost)],
-            trace: json!({ "lower_bound": bound }),
-            memory: None,
-        })
+        let found = Solution::of_search(Path::polyline(&points), cost, expansions, ctx);
+        Ok(Solution { trace: json!({ "lower_bound": bound }), ..found })
     }
 }
 
@@ -73,10 +64,7 @@ fn unfinished(query: &Query, ctx: &mut Context, quick: Option<Solution>, bound: 
     match quick {
         Some(found) => Ok(Solution { cells: None, stop, trace: json!({ "lower_bound": bound }), seconds: ctx.seconds(), ..found }),
         None if stop == Stop::Cancelled => Err(PlanError::Cancelled),
-        None => {
-            let reason = Some("the budget of time was spent".into());
-            Err(PlanError::NoPath(Box::new(NoPath { proved: false, needed: query.radius(), reason, ..NoPath::default() })))
-        }
+        None => Err(no_path(query, false, Some("the budget of time was spent".into()))),
     }
 }
 

@@ -129,22 +129,42 @@ impl Legs<'_> {
     }
 }
 
-/// The free cell whose centre is nearest to `p` and can be reached from it in a straight line; its own cell first.
+/// The free cell that a search begins or ends at: the own cell of `p`, or the one with the nearest centre that can be reached from it in a straight
+/// line, up to two cells or the robot's radius away.
 pub(super) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell> {
-    let [x, y] = lattice.cell_at(p)?;
+    let own = lattice.cell_at(p)?;
     let reach = |c: Cell| {
         let center = lattice.center(c);
         lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, query.radius()))
     };
-    if reach([x, y]) {
-        return Some([x, y]);
+    if reach(own) {
+        return Some(own);
     }
-    let mut near: Vec<Cell> = Vec::new();
-    for cy in y.saturating_sub(2)..=(y + 2).min(lattice.height() - 1) {
-        near.extend((x.saturating_sub(2)..=(x + 2).min(lattice.width() - 1)).map(|cx| [cx, cy]));
+    let rings = (query.radius() / lattice.resolution()).ceil().clamp(2.0, f64::from(lattice.width().max(lattice.height()))) as u32;
+    let mut best: Option<(f64, Cell)> = None;
+    for ring in 1..=rings {
+        // Centres of this ring are no nearer than that.
+        if best.is_some_and(|(d, _)| d <= (f64::from(ring) - 0.5) * lattice.resolution()) {
+            break;
+        }
+        for cell in ring_around(lattice, own, ring) {
+            let d = shape::distance(lattice.center(cell), p);
+            if best.is_none_or(|(least, _)| d < least) && reach(cell) {
+                best = Some((d, cell));
+            }
+        }
     }
-    near.sort_by(|a, b| shape::distance(lattice.center(*a), p).total_cmp(&shape::distance(lattice.center(*b), p)));
-    near.into_iter().find(|c| reach(*c))
+    best.map(|(_, cell)| cell)
+}
+
+/// Cells of the lattice that are `ring` > 0 columns or rows away from a cell, and no more.
+fn ring_around(lattice: &Lattice, [x, y]: Cell, ring: u32) -> impl Iterator<Item = Cell> {
+    let (w, h) = (lattice.width(), lattice.height());
+    (y.saturating_sub(ring)..=(y + ring).min(h - 1)).flat_map(move |cy| {
+        let step = if cy.abs_diff(y) == ring { 1 } else { 2 * ring };
+        let sides = (i64::from(x) - i64::from(ring)..=i64::from(x) + i64::from(ring)).step_by(step as usize);
+        sides.filter_map(move |cx| u32::try_from(cx).ok().filter(|&cx| cx < w).map(|cx| [cx, cy]))
+    })
 }
 
 /// Is each point anchored in its own cell? Only then does a search from the anchors speak for the points.

@@ -225,6 +225,24 @@ fn planners_connect_points_off_the_centres_and_pass_via_points() {
     }
 }
 
+/// Between two posts with hardly any room no centre near is free; the nearest that a straight line reaches is three cells away.
+#[test]
+fn ends_are_joined_up_to_the_radius_away() {
+    let mut bits = Bits::new(40, 30);
+    bits.set(20, 11, true);
+    bits.set(20, 18, true);
+    let world = Arc::new(World::from_grid(Grid::new(bits, None, 1.0, [0.0; 3]).unwrap()));
+    let mut query = Query::new(world, [20.5, 15.0], [35.5, 15.5]);
+    query.footprint = crate::world::Footprint::Disc(2.85);
+    for name in ["dijkstra", "astar", "jump-point", "theta-star", "lazy-theta-star"] {
+        for (start, goal) in [([20.5, 15.0], [35.5, 15.5]), ([35.5, 15.5], [20.5, 15.0])] {
+            (query.start, query.goal) = (start, goal);
+            let found = planner(name, serde_json::Value::Null).unwrap().plan(&query, &mut Context::new(1)).unwrap();
+            assert!(found.cost < 16.0 && crate::certify::collision(&found.path, &query, None).ok, "{name}: {}", found.cost);
+        }
+    }
+}
+
 #[test]
 fn no_path_is_proved_and_cancel_is_heard() {
     let mut bits = Bits::new(200, 200);

@@ -123,7 +123,7 @@ impl<'a> Sight<'a> {
     fn look(&self, cell: Cell) -> u8 {
         let half = std::f64::consts::FRAC_1_SQRT_2 + 1e-6;
         let spare = (self.field.at(cell) - self.query.radius()) / self.lattice.resolution();
-        if spare < -half { SHUT } else { (spare - half).max(0.0).min(250.0) as u8 + NEAR }
+        if spare < -half { SHUT } else { (spare - half).clamp(0.0, 250.0) as u8 + NEAR }
     }
 
     /// Is that part of the way from centre to centre free? Lengths in cells.
@@ -222,7 +222,7 @@ impl Tree {
     pub fn assign(&mut self, cell: Cell, g: f64, parent: Cell) {
         let (i, p) = (self.index(cell), self.index(parent));
         let hidden = self.marks[i][1] & (!0 << 32);
-        self.marks[i] = [g.to_bits(), p as u64 + 1 | hidden];
+        self.marks[i] = [g.to_bits(), (p as u64 + 1) | hidden];
     }
     /// Remembers that `parent` does not see the cell.
     pub fn hide(&mut self, cell: Cell, parent: Cell) {

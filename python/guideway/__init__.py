@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from guideway import errors
 from guideway._core import (
     Path,
+    Profile,
     Query,
     Refined,
     Solution,
@@ -33,6 +34,7 @@ from guideway._core import (
     polyline,
     reference,
     refine,
+    scurve,
     time,
 )
 from guideway.errors import (
@@ -73,6 +75,7 @@ __all__ = [
     "Path",
     "PlanningError",
     "Polygon",
+    "Profile",
     "Query",
     "Refined",
     "Solution",
@@ -94,6 +97,7 @@ __all__ = [
     "progress",
     "reference",
     "refine",
+    "scurve",
     "time",
     "view",
 ]

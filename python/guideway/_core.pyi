@@ -182,6 +182,28 @@ class Trajectory:
     def at(self, t: float) -> dict[str, Any]: ...
     def sample(self, rate: float = 100.0) -> _Floats: ...
 
+@final
+class Profile:
+    """A one-axis motion of phases of constant jerk."""
+
+    @property
+    def duration(self) -> float: ...
+    @property
+    def top_speed(self) -> float: ...
+    @property
+    def phases(self) -> list[tuple[float, float]]: ...
+    def at(self, t: ArrayLike) -> Floats: ...
+
+def scurve(
+    distance: float,
+    *,
+    speed: float,
+    acceleration: float,
+    jerk: float | Sequence[float],
+    deceleration: float | None = None,
+    start: tuple[float, float] = (0.0, 0.0),
+    end: tuple[float, float] = (0.0, 0.0),
+) -> Profile: ...
 def plan(
     query: Query,
     planner: str = "visibility",

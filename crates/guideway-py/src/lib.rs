@@ -8,6 +8,7 @@ mod path;
 mod plan;
 mod query;
 mod refine;
+mod scurve;
 mod world;
 
 use pyo3::prelude::*;
@@ -30,6 +31,8 @@ mod _core {
     use crate::query::Query;
     #[pymodule_export]
     use crate::refine::{Refined, measure, polyline, refine};
+    #[pymodule_export]
+    use crate::scurve::{Profile, scurve};
     #[pymodule_export]
     use crate::world::{World, distance_transform};
 }

@@ -151,12 +151,12 @@ impl World {
     /// Returns (length in cells, turning points as (column, row) from start to goal), or None if a cell is blocked or outside or there is no path. The lean
     /// call for many queries: no certificate, no record. `corners` as in `Query`.
     #[pyo3(signature = (start, goal, corners="clear"))]
-    fn shortest(&self, py: Python<'_>, start: [u32; 2], goal: [u32; 2], corners: &str) -> PyResult<Option<(f64, Turns)>> {
+    fn shortest(&self, py: Python<'_>, start: (u32, u32), goal: (u32, u32), corners: &str) -> PyResult<Option<(f64, Turns)>> {
         let corners = crate::query::corner_rule(py, corners)?;
         let lattice = self.inner.lattice(0.0);
-        let Some(top) = lattice.height().checked_sub(1).filter(|top| start[1] <= *top && goal[1] <= *top) else { return Ok(None) };
+        let Some(top) = lattice.height().checked_sub(1).filter(|top| start.1 <= *top && goal.1 <= *top) else { return Ok(None) };
         let mut turns = Vec::new();
-        let flip = |c: [u32; 2]| [c[0], top - c[1]];
+        let flip = |c: (u32, u32)| [c.0, top - c.1];
         let steps = search::shortest_cells(&lattice, flip(start), flip(goal), corners, &mut turns);
         Ok(steps.map(|steps| (steps.length(), turns.iter().map(|c| (c[0], top - c[1])).collect())))
     }

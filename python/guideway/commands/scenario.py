@@ -68,11 +68,9 @@ def _row(arguments: argparse.Namespace, world: _core.World, number: int, row: An
         solution = _core.plan(
             query, arguments.planner or "visibility", seed=arguments.seed or 0, budget=budget, set=settings, threads=arguments.threads
         )
-        record["length"] = solution.cost
+        record["length"], record["seconds"] = solution.cost, solution.seconds
     except BadParameter:
         raise
     except PlanningError as error:
-        record["error"] = type(error).__name__
-    finally:
-        record["seconds"] = time.perf_counter() - begun
+        record["error"], record["seconds"] = type(error).__name__, time.perf_counter() - begun
     return record

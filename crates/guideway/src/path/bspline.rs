@@ -52,7 +52,8 @@ impl Path {
     /// A polyline through `points` (m); repeated points are dropped. One point alone is a path of length 0, none is such a path at the origin.
     pub fn polyline(points: &[[f64; 2]]) -> Self {
         let mut kept: Vec<[f64; 2]> = Vec::with_capacity(points.len().max(2));
-        let mut s = vec![0.0];
+        let mut s = Vec::with_capacity(points.len().max(2) + 2);
+        s.push(0.0);
         for &p in points {
             if let Some(&q) = kept.last() {
                 let d = (p[0] - q[0]).hypot(p[1] - q[1]);
@@ -74,7 +75,7 @@ impl Path {
             s.push(0.0);
         }
         s.push(s[s.len() - 1]);
-        Self { degree: 1, dimension: 2, knots: s, control: kept.into_iter().flatten().collect(), lazy: Lazy::default() }
+        Self { degree: 1, dimension: 2, knots: s, control: kept.into_flattened(), lazy: Lazy::default() }
     }
 
     /// A clamped B-spline from its parts: `control` holds `n` rows of `dimension` values, `knots` n + degree + 1 values.

@@ -10,7 +10,7 @@ use crate::query::Query;
 use serde::{Deserialize, Serialize};
 
 /// Exact shortest path on the 8-connected lattice under the query's corner rule.
-/// `trace.engine` names the search that ran.
+/// `trace.engine` names the search that ran, if it is another one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct AStar {}

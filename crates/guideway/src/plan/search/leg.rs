@@ -8,7 +8,7 @@ use crate::path::Path;
 use crate::plan::Solution;
 use crate::query::Query;
 use crate::world::{Cell, Corners, Lattice, shape};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Which exact search to run. All find paths of the same cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,8 +71,8 @@ pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<S
     for pair in query.stops().windows(2) {
         legs.leg(pair[0], pair[1], ctx)?;
     }
-    let cost = legs.steps.length() * lattice.resolution() + legs.stubs;
-    let trace = json!({ "engine": engine.on(&lattice, query.corners).name() });
+    let (cost, runs) = (legs.steps.length() * lattice.resolution() + legs.stubs, engine.on(&lattice, query.corners));
+    let trace = if runs == engine { Value::Null } else { json!({ "engine": runs.name() }) };
     let found = Solution::of_search(Path::polyline(&legs.points), cost, legs.steps.expansions, ctx);
     Ok(Solution { cells: Some(legs.cells), trace, ..found })
 }
@@ -115,14 +115,18 @@ impl Legs<'_> {
 
     /// Appends a path found between two anchors and the stubs at its ends.
     fn add(&mut self, found: &[Cell], steps: Steps, to: Point) {
-        let cells = every_cell(found);
-        let centers: Vec<Point> = turns(&cells).into_iter().map(|c| self.lattice.center(c)).collect();
         let from = self.points[self.points.len() - 1];
-        self.stubs += shape::distance(from, centers[0]) + shape::distance(centers[centers.len() - 1], to);
-        self.points.extend(centers);
+        self.stubs += shape::distance(from, self.lattice.center(found[0])) + shape::distance(self.lattice.center(found[found.len() - 1]), to);
+        self.points.reserve(found.len() + 1);
+        self.points.extend(turns(found).into_iter().map(|c| self.lattice.center(c)));
         self.points.push(to);
-        let joint = usize::from(self.cells.last() == cells.first());
-        self.cells.extend_from_slice(&cells[joint..]);
+        let cells = every_cell(found);
+        if self.cells.is_empty() {
+            self.cells = cells;
+        } else {
+            let joint = usize::from(self.cells.last() == cells.first());
+            self.cells.extend_from_slice(&cells[joint..]);
+        }
         self.steps.straight += steps.straight;
         self.steps.diagonal += steps.diagonal;
         self.steps.expansions += steps.expansions;

@@ -103,7 +103,8 @@ pub fn shortest_cells(lattice: &Lattice, start: Cell, goal: Cell, corners: Corne
 
 /// All cells of a path given by its turning points: every step to one of the eight neighbours.
 pub fn every_cell(turns: &[Cell]) -> Vec<Cell> {
-    let mut cells = Vec::with_capacity(turns.len());
+    let steps = |p: &[Cell]| p[0][0].abs_diff(p[1][0]).max(p[0][1].abs_diff(p[1][1])) as usize;
+    let mut cells = Vec::with_capacity(1 + turns.windows(2).map(steps).sum::<usize>());
     cells.extend(turns.first());
     for pair in turns.windows(2) {
         let ([mut x, mut y], [tx, ty]) = (pair[0], pair[1]);
@@ -116,10 +117,10 @@ pub fn every_cell(turns: &[Cell]) -> Vec<Cell> {
     cells
 }
 
-/// The turning points of a cell path: cells where the direction changes, and both ends.
+/// The turning points of a path along the eight directions: cells where the direction changes, and both ends.
 fn turns(cells: &[Cell]) -> Vec<Cell> {
-    let way = |a: Cell, b: Cell| [i64::from(b[0]) - i64::from(a[0]), i64::from(b[1]) - i64::from(a[1])];
-    let mut out = Vec::new();
+    let way = |a: Cell, b: Cell| [0, 1].map(|k| (i64::from(b[k]) - i64::from(a[k])).signum());
+    let mut out = Vec::with_capacity(cells.len().min(64));
     for (k, &cell) in cells.iter().enumerate() {
         if k == 0 || k + 1 == cells.len() || way(cells[k - 1], cell) != way(cell, cells[k + 1]) {
             out.push(cell);

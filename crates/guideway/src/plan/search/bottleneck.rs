@@ -96,7 +96,7 @@ impl<'a> Widest<'a> {
             let mut weak: Vec<Cell> = chain.iter().filter(|&&part| self.center(part) < target - self.tolerance()).map(|part| part.0).collect();
             weak.sort_unstable();
             weak.dedup();
-            let split = weak.into_iter().filter(|&cell| self.split(cell)).count();
+            let split = weak.into_iter().filter(|&cell| self.split(cell, target - self.tolerance())).count();
             if split == 0 || self.looked > MOST || stop() {
                 let narrowest = chain.iter().min_by(|a, b| self.center(**a).total_cmp(&self.center(**b)));
                 let place = narrowest.map_or(end.place, |part| self.place(*part));
@@ -133,17 +133,27 @@ impl<'a> Widest<'a> {
         self.world.cell_to_map([f64::from(cell[0]) + (f64::from(i) + 0.5) / n, f64::from(cell[1]) + (f64::from(j) + 0.5) / n])
     }
 
-    /// Splits a cell once more.
-    fn split(&mut self, cell: Cell) -> bool {
+    /// Splits a cell once more. Parts of what is too narrow for `target` (m) keep the bound they have: no chain of that width needs them.
+    fn split(&mut self, cell: Cell, target: f64) -> bool {
         let level = self.level(cell) + 1;
         if level > DEEPEST {
             return false;
         }
         let n = 1u32 << level;
         let at = |k: u32, i: u32| f64::from(k) + (f64::from(i) + 0.5) / f64::from(n);
+        let finer = self.half / f64::from(n);
+        let mut looked = 0;
         let parts = (0..n).flat_map(|j| (0..n).map(move |i| [i, j]));
-        let values = parts.map(|[i, j]| self.world.clearance(self.world.cell_to_map([at(cell[0], i), at(cell[1], j)]))).collect();
-        self.looked += u64::from(n) * u64::from(n);
+        let values = parts.map(|[i, j]| {
+            let whole = (cell, [i / 2, j / 2]);
+            if self.wide(whole) < target {
+                return self.wide(whole) - finer;
+            }
+            looked += 1;
+            self.world.clearance(self.world.cell_to_map([at(cell[0], i), at(cell[1], j)]))
+        });
+        let values = values.collect();
+        self.looked += looked;
         self.splits.insert(cell, Split { level, values });
         true
     }

@@ -3,7 +3,7 @@
 
 use crate::Point;
 use crate::world::shape::{cross, distance, norm, sub};
-use crate::world::{Grid, Shape, World};
+use crate::world::{ClearanceField, Grid, Shape, World};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Distances that count as touching, m.
@@ -11,7 +11,9 @@ pub(super) const TOUCH: f64 = 1e-9;
 /// Angles that count as equal, rad.
 pub(super) const ANGLE: f64 = 1e-9;
 /// Windows are not split below this angle, rad.
-const WINDOW: f64 = 0.02;
+const WINDOW: f64 = 0.1;
+/// Windows up to this angle are looked at with exact clearances, rad.
+const CLOSE: f64 = 0.25;
 
 /// Angles `from` to `from + extent`, counter-clockwise, seen from a circle's centre, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,10 +76,11 @@ pub(super) struct Inflated<'a> {
 impl Inflated<'_> {
     /// All circles that may be exposed and lie within `keep`.
     pub fn circles(&self, keep: &dyn Fn(Point, f64) -> bool) -> Vec<Circle> {
+        let field = self.world.clearance_field();
         let mut found = Vec::new();
         let mut add = |center: Point, radius: f64, from: f64, extent: f64| {
             if keep(center, radius) {
-                let arcs = self.windows(center, radius, Arc::new(from, extent));
+                let arcs = self.windows(&field, (center, radius), (from, extent));
                 if !arcs.is_empty() {
                     found.push(Circle { center, radius, arcs, exact: false });
                 }
@@ -99,17 +102,19 @@ impl Inflated<'_> {
         found
     }
 
-    /// Parts of the arc that are not proved covered: the clearance changes by no more than the way along the arc.
-    fn windows(&self, center: Point, radius: f64, arc: Arc) -> Vec<Arc> {
+    /// Parts of the arc that are not proved covered: the clearance changes by no more than the way along the arc, or from the centre of a cell.
+    fn windows(&self, field: &ClearanceField, (center, radius): (Point, f64), arc: (f64, f64)) -> Vec<Arc> {
         if radius == 0.0 {
-            return if self.world.clearance_within(center, self.robot + 2.0 * TOUCH) >= self.robot - TOUCH { vec![arc] } else { Vec::new() };
+            let free = self.world.clearance_within(center, self.robot + 2.0 * TOUCH) >= self.robot - TOUCH;
+            return if free { vec![Arc::new(arc.0, arc.1)] } else { Vec::new() };
         }
         let mut kept: Vec<(f64, f64)> = Vec::new();
-        let mut todo = vec![(arc.from, arc.extent)];
+        let mut todo = vec![arc];
         while let Some((from, extent)) = todo.pop() {
             let p = on(center, radius, from + extent / 2.0);
-            let clearance = self.world.clearance_within(p, self.robot);
-            if clearance < self.robot - radius * extent / 2.0 - TOUCH {
+            let needed = self.robot - radius * extent / 2.0 - TOUCH;
+            let covered = self.at_most(field, p) < needed || extent <= CLOSE && self.world.clearance_within(p, self.robot) < needed;
+            if covered {
                 continue;
             }
             if extent > WINDOW {
@@ -123,6 +128,20 @@ impl Inflated<'_> {
             }
         }
         kept.into_iter().map(|(from, extent)| Arc::new(from, extent)).collect()
+    }
+
+    /// Upper bound of the clearance at `p` from the centre of its cell, m.
+    fn at_most(&self, field: &ClearanceField, p: Point) -> f64 {
+        let q = match self.world.grid() {
+            Some(grid) => grid.to_cells(p),
+            None => [0, 1].map(|k| (p[k] - self.world.bounds()[k]) / self.world.resolution()),
+        };
+        if !(q[0] >= 0.0 && q[1] >= 0.0 && q[0] < f64::from(field.width()) && q[1] < f64::from(field.height())) {
+            return f64::INFINITY;
+        }
+        let cell = q.map(|v| v as u32);
+        let off = [0, 1].map(|k| q[k] - f64::from(cell[k]) - 0.5);
+        field.at(cell) + ((off[0] * off[0] + off[1] * off[1]).sqrt() + 1e-9) * self.world.resolution()
     }
 
     /// Replaces a circle's windows by its exposed arcs: they end where the circle meets the border of another inflated obstacle or of the world.

@@ -253,6 +253,15 @@ impl ClearanceField {
     /// The cells whose centre has at least this clearance, m.
     pub fn at_least(&self, clearance: f64) -> Bits {
         let mut bits = Bits::new(self.width, self.height);
+        if let (SquareField::Short(all), true, true) = (&self.squares, self.shapes.is_empty(), clearance > 0.0) {
+            let least = self.least_square(clearance);
+            for (y, line) in (0..self.height).zip(all.chunks(self.width as usize)) {
+                for (part, word) in line.chunks(64).zip(bits.row_mut(y)) {
+                    *word = part.iter().enumerate().fold(0, |w, (i, &v)| w | u64::from(v >= least) << i);
+                }
+            }
+            return bits;
+        }
         for y in 0..self.height {
             for (i, word) in bits.row_mut(y).iter_mut().enumerate() {
                 let x0 = 64 * i as u32;
@@ -260,6 +269,15 @@ impl ClearanceField {
             }
         }
         bits
+    }
+    /// The least entry of the square field that [`ClearanceField::at`] makes `clearance` > 0 (m) or more of.
+    fn least_square(&self, clearance: f64) -> u32 {
+        let about = (2.0 * clearance / self.resolution).powi(2) - 3.0;
+        let mut least = about.max(1.0) as u32;
+        while least < u32::MAX && 0.5 * f64::from(least).sqrt() * self.resolution < clearance {
+            least += 1;
+        }
+        least
     }
     /// Centre of a cell (grid frame, cells) and its distance to the nearest blocked square, cells (0 in blocked ones), if any is blocked.
     #[inline]

@@ -202,3 +202,22 @@ fn a_point_does_not_slip_past_blocked_cells_on_the_border() {
         assert!(world.segment_free([0.0, 0.0], [0.0, 1.5], 0.0) && world.segment_free([2.5, 0.0], [2.5, 1.5], 0.0));
     }
 }
+
+#[test]
+fn cells_with_room_are_those_whose_value_says_so() {
+    for (seed, side) in [(1, 0.1), (2, 0.05)] {
+        let mut bits = Bits::new(130, 70);
+        for k in 0..40u32 {
+            bits.set(k * 37 % 130, (k * k + seed) % 70, true);
+        }
+        let world = World::from_grid(Grid::new(bits, None, side, [0.0; 3]).unwrap());
+        let field = world.clearance_field();
+        // Values themselves are the hard thresholds.
+        let mut thresholds: Vec<f64> = field.values().into_iter().step_by(97).collect();
+        thresholds.extend([-1.0, 0.0, 1e-9, 0.3, 0.3 - TOUCH, 5.0, 1e6]);
+        for t in thresholds {
+            let room = field.at_least(t);
+            assert!((0..70).all(|y| (0..130).all(|x| room.at(x, y) == (field.at([x, y]) >= t))), "{t}");
+        }
+    }
+}

@@ -10,10 +10,12 @@ use crate::world::{Bits, Footprint, World};
 
 /// Circles and expansions of the exact searches that sharpen the widest radius.
 const EFFORT: u64 = 20_000;
+/// The widest radius is found at least as sharp as that, cells.
+const FINE: f64 = 1.0 / 60.0;
 
 /// Proves that no path exists, if that is so, and finds the widest disc that would pass.
 ///
-/// `widest` passes for certain; no disc wider by more than a sixtieth of a cell (and mostly far less) does. `None`: the ends are not connected for any
+/// `widest` passes for certain; no disc wider by more than a sixtieth of a cell (and mostly far less) does, unless the budget of `ctx` ends first. `None`: the ends are not connected for any
 /// disc. `proved` is false where a path for the query's disc exists after all, where the answer depends on the heading of a footprint that is not a disc, or
 /// where the budget of `ctx` was spent before (`reason` tells). Cost: seconds at most on maps of some million cells.
 pub fn explain(query: &Query, ctx: &mut Context) -> NoPath {
@@ -84,15 +86,13 @@ fn passes(query: &Query, ends: [Point; 2], radius: f64, ctx: &mut Context) -> (b
     (passed, leg.expansions + leg.circles)
 }
 
-/// The largest radius that is proved to pass, at most a tolerance below the upper bound where that is tight.
+/// The largest radius that is proved to pass, less than [`FINE`] cells below one that is proved not to.
 fn sharpen(query: &Query, ends: [Point; 2], (upper, tolerance): (f64, f64), ctx: &mut Context) -> f64 {
     let (mut low, mut high, mut step, mut effort) = (0.0, upper, 1.5 * tolerance, 0);
-    // Down in growing steps until one passes, then halving while that is cheap.
-    while high - low > 1e-7 * upper && !(low > 0.0 && effort > EFFORT) && ctx.poll().is_none() {
-        let middle = if low == 0.0 { upper - step } else { f64::midpoint(low, high) };
-        if middle <= 0.0 {
-            break;
-        }
+    let fine = FINE * query.world.resolution();
+    // Down in growing steps until one passes, then halving while that is cheap or still coarse.
+    while high - low > 1e-7 * upper && !(high - low <= fine && (low == 0.0 || effort > EFFORT)) && ctx.poll().is_none() {
+        let middle = if low == 0.0 && upper > step { upper - step } else { f64::midpoint(low, high) };
         let (passed, expansions) = passes(query, ends, middle, ctx);
         effort += expansions;
         if passed {

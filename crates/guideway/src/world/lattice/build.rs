@@ -65,11 +65,14 @@ fn complement(bits: &Bits) -> Bits {
 /// Cells inside the world at whose centre the disc fits.
 fn roomy(world: &World, radius: f64) -> Bits {
     let (field, [w, h]) = (world.clearance_field(), world.size());
+    if world.grid().is_some() {
+        return field.at_least(radius - TOUCH);
+    }
     let mut free = Bits::new(w, h);
     for y in 0..h {
         let row = free.row_mut(y);
         for x in 0..w {
-            let fits = field.at([x, y]) >= radius - TOUCH && (world.grid().is_some() || world.contains(world.cell_center([x, y])));
+            let fits = field.at([x, y]) >= radius - TOUCH && world.contains(world.cell_center([x, y]));
             row[(x / 64) as usize] |= u64::from(fits) << (x % 64);
         }
     }

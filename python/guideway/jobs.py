@@ -78,8 +78,9 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
 
 def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str | os.PathLike[str], quick: bool = False) -> Outcome:
     """From a planner's solution to the outcome; ``quick`` leaves out refinement, timing and references."""
-    refined = _core.refine(solution.path, query, "none" if quick else job.refine, max_curvature=job.max_curvature)
-    trajectory = solution.trajectory
+    trajectory = solution.trajectory  # of planners that plan path and speed at once: their path stays as it is
+    how = "none" if quick or trajectory is not None else job.refine
+    refined = _core.refine(solution.path, query, how, max_curvature=job.max_curvature)
     if job.timing and not quick and trajectory is None:
         trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw)
     certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature)

@@ -1,13 +1,14 @@
 //! Certificates and exact references.
 
 use crate::convert::to_python;
-use crate::errors::OrPy;
+use crate::errors::{OrPy, to_py};
 use crate::motion::Trajectory;
 use crate::path::Path;
 use crate::plan::{Solution, watched};
 use crate::query::Query;
 use guideway::certify::{self as checker, Check, motion};
 use guideway::context::{Budget, Stop};
+use guideway::error::PlanError;
 use guideway::plan::search;
 use guideway::world::shape::distance;
 use pyo3::prelude::*;
@@ -27,7 +28,18 @@ pub fn certify<'py>(
     max_curvature: Option<f64>,
     step: Option<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (path, query) = (&path.inner, &query.inner);
+    let (path, query) = (path.on_the_ground(py)?, &query.inner);
+    if !(0.0..=1e6).contains(&query.clearance) {
+        return Err(to_py(py, &PlanError::bad("clearance", query.clearance, "0 to 1e6 m")));
+    }
+    for (name, value) in [("step", step), ("max_curvature", max_curvature)] {
+        if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+            return Err(to_py(py, &PlanError::bad(name, value, "a finite number above 0")));
+        }
+    }
+    if trajectory.is_some_and(|motion| motion.inner.path != *path) {
+        return Err(to_py(py, &PlanError::bad("trajectory", "it follows another path", "a motion along the path that is certified")));
+    }
     let (collision, mut checks) = py.detach(|| {
         let collision = checker::collision(path, query, step);
         let mut checks = vec![ends(path, query)];

@@ -3,6 +3,7 @@
 use guideway::error::PlanError;
 use numpy::{PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::IntoPyDict;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -19,7 +20,8 @@ pub fn from_python<T: DeserializeOwned>(name: &str, object: &Bound<'_, PyAny>) -
     let py = object.py();
     let plain = if object.hasattr("to_dict")? { object.call_method0("to_dict")? } else { object.clone() };
     let bad = |e: &dyn std::fmt::Display| to_py(py, &PlanError::bad(name, "the value given", e.to_string()));
-    let text: String = py.import("json")?.call_method1("dumps", (plain,)).map_err(|e| bad(&e.value(py)))?.extract()?;
+    let strict = [("allow_nan", false)].into_py_dict(py)?;
+    let text: String = py.import("json")?.call_method("dumps", (plain,), Some(&strict)).map_err(|e| bad(&e.value(py)))?.extract()?;
     serde_json::from_str(&text).map_err(|e| bad(&e))
 }
 

@@ -28,7 +28,7 @@ impl Trajectory {
     #[new]
     fn new(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, pieces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (limits, pieces): (Limits, Vec<Piece>) = (from_python("limits", limits)?, from_python("pieces", pieces)?);
-        let inner = timing::Trajectory { path: path.inner.clone(), pieces, limits: limits.validated().or_py(py)? };
+        let inner = timing::Trajectory { path: path.on_the_ground(py)?.clone(), pieces, limits: limits.validated().or_py(py)? };
         Ok(Self { inner })
     }
     /// The path it follows.
@@ -54,6 +54,9 @@ impl Trajectory {
     /// State at time `t` (s), a dictionary: `t` (s), `s` (m), `pose` (m, m, rad), `speed` (m/s), `acceleration` (m/s2), `jerk` (m/s3), `curvature`
     /// (1/m), `turn_rate` (rad/s).
     fn at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyAny>> {
+        if t.is_nan() {
+            return Err(to_py(py, &PlanError::bad("t", t, "a time in s")));
+        }
         to_python(py, &self.inner.at(t))
     }
     /// Rows (t, x, y, yaw, speed, acceleration, jerk, curvature) at `rate` Hz and at the end, shape (n, 8).
@@ -88,7 +91,7 @@ pub fn time(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, start_yaw: O
 #[pyfunction]
 pub fn ceiling<'py>(py: Python<'py>, path: &Path, limits: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let limits: Limits = from_python("limits", limits)?;
-    let rows = timing::ceiling(&path.inner, &limits.validated().or_py(py)?);
+    let rows = timing::ceiling(path.on_the_ground(py)?, &limits.validated().or_py(py)?);
     table(py, &rows.into_iter().flat_map(|(s, v)| [s, v]).collect::<Vec<_>>(), 2)
 }
 

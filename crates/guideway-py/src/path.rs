@@ -13,12 +13,23 @@ pub struct Path {
     pub inner: path::Path,
 }
 
+impl Path {
+    /// The path, if it is planar.
+    pub fn on_the_ground(&self, py: Python<'_>) -> PyResult<&path::Path> {
+        let dimension = self.inner.dimension();
+        if dimension == 2 { Ok(&self.inner) } else { Err(to_py(py, &PlanError::bad("path.dimension", dimension, "2: a planar path"))) }
+    }
+}
+
 #[pymethods]
 impl Path {
     /// From degree, knots (n + degree + 1) and control points, shape (n, dimension).
     #[new]
     fn new(py: Python<'_>, degree: usize, knots: Vec<f64>, control_points: Vec<Vec<f64>>) -> PyResult<Self> {
         let dimension = control_points.first().map_or(0, Vec::len);
+        if let Some(row) = control_points.iter().position(|row| row.len() != dimension) {
+            return Err(to_py(py, &PlanError::bad("control_points", format!("row {row}"), format!("{dimension} coordinates, as in the first row"))));
+        }
         let inner = path::Path::new(degree, dimension, knots, control_points.into_iter().flatten().collect()).or_py(py)?;
         Ok(Self { inner })
     }
@@ -26,7 +37,14 @@ impl Path {
     /// A polyline through points of shape (n, 2), m.
     #[staticmethod]
     fn polyline(points: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(Self { inner: path::Path::polyline(&rows("points", points)?) })
+        let rows = rows("points", points)?;
+        if rows.is_empty() || !rows.as_flattened().iter().all(|v| v.is_finite()) {
+            return Err(to_py(
+                points.py(),
+                &PlanError::bad("points", format!("{} points", rows.len()), "at least one point, finite coordinates in m"),
+            ));
+        }
+        Ok(Self { inner: path::Path::polyline(&rows) })
     }
 
     /// Polynomial degree.
@@ -64,7 +82,8 @@ impl Path {
 
     /// x (m), y (m), heading (rad), curvature (1/m) at arc lengths `s` (m): shape (len(s), 4).
     fn planar<'py>(&self, py: Python<'py>, s: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let rows = values("s", s)?.into_iter().map(|s| self.inner.planar(s));
+        let path = self.on_the_ground(py)?;
+        let rows = values("s", s)?.into_iter().map(|s| path.planar(s));
         table(py, &rows.flat_map(|p| [p.point[0], p.point[1], p.heading, p.curvature]).collect::<Vec<_>>(), 4)
     }
 

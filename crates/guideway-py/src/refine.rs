@@ -39,13 +39,14 @@ impl Refined {
 #[pyfunction]
 #[pyo3(signature = (path, query, method="smooth", *, max_curvature=None))]
 pub fn refine(py: Python<'_>, path: &Path, query: &Query, method: &str, max_curvature: Option<f64>) -> PyResult<Refined> {
+    let path = path.on_the_ground(py)?;
     let refiner: Box<dyn Refiner> = match method {
-        "none" => return Ok(Refined { inner: core::Refined { path: path.inner.clone(), unmet: Vec::new() } }),
+        "none" => return Ok(Refined { inner: core::Refined { path: path.clone(), unmet: Vec::new() } }),
         "simplify" => Box::new(Simplify::default()),
         "smooth" => Box::new(Smooth { max_curvature, ..Smooth::default() }),
         other => return Err(to_py(py, &PlanError::bad("refine", other, "one of none, simplify, smooth"))),
     };
-    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| refiner.refine(&path.inner, &query.inner, ctx))?;
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| refiner.refine(path, &query.inner, ctx))?;
     raised.map_or(Ok(()), Err)?;
     result.map(|inner| Refined { inner }).or_py(py)
 }
@@ -53,7 +54,8 @@ pub fn refine(py: Python<'_>, path: &Path, query: &Query, method: &str, max_curv
 /// Points along a path, shape (n, 2), m, so dense that straight segments between them keep the query's clearance.
 #[pyfunction]
 pub fn polyline<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let rows = py.detach(|| core::polyline(&path.inner, &query.inner));
+    let path = path.on_the_ground(py)?;
+    let rows = py.detach(|| core::polyline(path, &query.inner));
     points(py, &rows)
 }
 
@@ -62,6 +64,7 @@ pub fn polyline<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bo
 #[pyfunction]
 pub fn measure<'py>(py: Python<'py>, path: &Path, query: &Query) -> PyResult<Bound<'py, PyAny>> {
     let radius = query.inner.footprint.circumscribed();
-    let metrics = py.detach(|| paths::measure(&path.inner, &query.inner.world, radius));
+    let path = path.on_the_ground(py)?;
+    let metrics = py.detach(|| paths::measure(path, &query.inner.world, radius));
     to_python(py, &metrics)
 }

@@ -142,8 +142,11 @@ impl World {
     }
 
     /// Does a disc of this radius (m), swept along the segment from a to b (m), stay out of every static obstacle?
-    fn segment_free(&self, a: [f64; 2], b: [f64; 2], radius: f64) -> bool {
-        self.inner.segment_free(a, b, radius)
+    fn segment_free(&self, py: Python<'_>, a: [f64; 2], b: [f64; 2], radius: f64) -> PyResult<bool> {
+        if !(0.0..=1e6).contains(&radius) {
+            return Err(to_py(py, &PlanError::bad("radius", radius, "0 to 1e6 m")));
+        }
+        Ok(self.inner.segment_free(a, b, radius))
     }
 
     /// Exact shortest lattice path of a point robot between two cells (column, row), row 0 on top, by jump point search \[harabor2011\], \[harabor2014\].

@@ -119,8 +119,10 @@ impl PlanError {
         }
     }
 
-    /// A [`PlanError::BadParameter`].
+    /// A [`PlanError::BadParameter`]; a number of hundreds of digits is shown by its exponent.
     pub fn bad(name: impl Into<String>, value: impl std::fmt::Display, allowed: impl Into<String>) -> Self {
-        Self::BadParameter { name: name.into(), value: value.to_string(), allowed: allowed.into() }
+        let text = value.to_string();
+        let value = if text.len() > 24 { text.parse::<f64>().map_or(text, |number| format!("{number:e}")) } else { text };
+        Self::BadParameter { name: name.into(), value, allowed: allowed.into() }
     }
 }

@@ -125,6 +125,11 @@ impl Query {
         if !(self.clearance.is_finite() && (0.0..=1e6).contains(&self.clearance)) {
             return Err(PlanError::bad("clearance", self.clearance, "0 to 1e6 m"));
         }
+        for (name, yaw) in [("start yaw", self.start_yaw), ("goal yaw", self.goal_yaw)] {
+            if let Some(yaw) = yaw.filter(|yaw| !yaw.is_finite()) {
+                return Err(PlanError::bad(name, yaw, "a finite angle, rad"));
+            }
+        }
         let needed = self.radius();
         let stops = 1 + self.via.len();
         for (i, point) in std::iter::once(&self.start).chain(&self.via).chain(std::iter::once(&self.goal)).enumerate() {

@@ -192,7 +192,7 @@ class Profile:
     def top_speed(self) -> float: ...
     @property
     def phases(self) -> list[tuple[float, float]]: ...
-    def at(self, t: ArrayLike) -> Floats: ...
+    def at(self, t: ArrayLike) -> _Floats: ...
 
 def scurve(
     distance: float,
@@ -201,8 +201,8 @@ def scurve(
     acceleration: float,
     jerk: float | Sequence[float],
     deceleration: float | None = None,
-    start: tuple[float, float] = (0.0, 0.0),
-    end: tuple[float, float] = (0.0, 0.0),
+    start: tuple[float, float] = ...,
+    end: tuple[float, float] = ...,
 ) -> Profile: ...
 def plan(
     query: Query,

@@ -56,7 +56,14 @@ RUN: dict[str, Any] = {
     "energy": {"ttec": 0, "moec": 0},
 }
 ROW = {"row": 0, "start_cell": [1, 2], "goal_cell": [1, 2], "published": 1.0, "length": 1.0, "seconds": 0.0, "error": None}
-GOOD = {"plan": PLAN, "run": RUN, "row": ROW}
+SCENE: dict[str, Any] = {
+    "world": {"bounds": [0, 0, 10, 6], "resolution": 0.05},
+    "disc": [{"center": [1, 1], "radius": 0.4}],
+    "mover": [{"shape": {"box": [0.8, 0.8]}, "path": [[3, 2], [3, 4]], "speed": 0.4, "loop": "shuttle", "appears": {"within": 3}}],
+    "robot": {"footprint": {"disc": 0.2}, "speed": 2},
+    "query": {"start": [0, 0], "goal": [5, 3], "clearance": 0.3},
+}
+GOOD = {"plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
 
 
 def accepts(name: str, value: object) -> bool:
@@ -86,6 +93,8 @@ def test_schema_is_valid_and_every_required_field_counts(name: str) -> None:
         ("run", ["outcome"], "lost"),
         ("run", ["driven", 0], [0, 0, 0]),
         ("run", ["replans"], 0.5),
+        ("scene", ["disc", 0, "radius"], "wide"),
+        ("scene", ["mover", 0, "loop"], "zigzag"),
         ("row", ["error"], "NoPath"),
         ("row", ["start_cell"], [0.5, 1]),
     ],

@@ -1,5 +1,7 @@
 """Bad input on the command line: one short paragraph that names the thing, exit status 2 (3 where the input is fine but there is no result)."""
 
+import os
+
 import pytest
 
 from guideway.cli import main
@@ -145,3 +147,12 @@ def test_no_result(words, named, capsys, tmp_path):
 def test_nothing_is_half_written(tmp_path, capsys):
     assert main([*PLAN, "--planner", "teleport", "--out", "plan.json", "--report", "plan.html"]) == 2
     assert not [path for path in tmp_path.iterdir() if path.name in ("plan.json", "plan.html") or path.name.endswith(".part")]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+@pytest.mark.parametrize("option", ["--out", "--report", "--csv"])
+def test_a_full_disk_is_said_plainly(option, capsys):
+    assert main([*PLAN, option, "/dev/full"]) == 2
+    err = " ".join(capsys.readouterr().err.split())
+    assert "no space left" in err.lower()
+    assert "internal error" not in err

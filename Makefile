@@ -14,7 +14,6 @@ demo: $(VENV)/.installed
 test: $(VENV)/.tested
 	cargo test --quiet --package guideway
 	$(BIN)/python -m pytest -q tests/python
-	$(MAKE) --no-print-directory lint
 
 test-slow: $(VENV)/.tested
 	cargo test --release --package guideway --features slow
@@ -51,6 +50,7 @@ $(BIN)/python: | tools
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/python
+	@echo "Compiling Guideway into $(VENV): one to three minutes the first time."
 	$(BIN)/python -m pip install --quiet -c constraints.txt .
 	@touch $@
 

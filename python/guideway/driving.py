@@ -105,8 +105,10 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
 
 def mover_states(mover: dict[str, Any]) -> dict[str, Any]:
     """A mover over time: its shape and rows (t, x, y, visible 0 or 1)."""
-    since = mover["since"]
-    rows = [[t, x, y, int(since is not None and t >= since)] for t, x, y in mover["track"]]
+    since, track = mover["since"], mover["track"]
+    rows = [[t, x, y, int(since is not None and t >= since)] for t, x, y in track]
+    if track and since is not None and 0 < since <= track[0][0]:
+        rows = [[0.0, *track[0][1:], 0], *rows]  # not there before
     outline = mover["outline"]
     shape = {"polygon": outline["points"]} if len(outline["points"]) > 1 else {"disc": outline["radius"]}
     return {"shape": shape, "since": since, "states": rows}

@@ -67,7 +67,7 @@ pub fn certify<'py>(
 
 /// Does the path start and end where it should, and pass every via point?
 fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
-    let mut check = Check::below("ends", Some(0.0));
+    let mut check = Check::below("path ends", Some(0.0));
     check.see(distance(path.planar(0.0).point, query.start), 0.0, 1e-9);
     check.see(distance(path.planar(path.length()).point, query.goal), path.length(), 1e-9);
     let mut from = 0.0;

@@ -38,6 +38,8 @@ const exact = (value) => (finite(value) && Math.abs(value) < 1000 && (Math.abs(v
 
 /** As `show`, without zeros at the end: for settings rather than measurements. */
 const trimmed = (value) => show(value).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+/** A distance to three decimals, never more than it is: a promise is not rounded up. */
+const atLeast = (value) => (finite(value) ? exact(Math.floor(value * 1000) / 1000) : show(value));
 const percent = (part) => `${(100 * part).toFixed(part === 0 || Math.abs(part) >= 0.00095 ? 1 : Math.abs(part) >= 0.000095 ? 2 : 3).replace("-", "\u2212")} %`;
 const words = (key) => String(key).replace(/_/g, " ");
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
@@ -118,7 +120,7 @@ function runVerdict({ data, motion }) {
   const sentences = [];
   if (record(data.collision).unavoidable === true) sentences.push("A robot at rest would have been hit as well.");
   if (data.cancelled === true) sentences.push("The drive was cancelled; this is what was driven until then.");
-  if (finite(data.min_separation)) sentences.push(`${data.outcome === "collision" ? "Least" : "Never closer than"} ${show(data.min_separation)} m ${data.outcome === "collision" ? "distance to" : "to"} an obstacle.`);
+  if (finite(data.min_separation)) sentences.push(`${data.outcome === "collision" ? "Least" : "Never closer than"} ${atLeast(data.min_separation)} m ${data.outcome === "collision" ? "distance to" : "to"} an obstacle.`);
   const counts = [[data.replans, "replan", "replans"], [data.emergency_stops, "emergency stop", "emergency stops"]];
   const said = counts.filter(([n]) => finite(n)).map(([n, one, more]) => `${n || "no"} ${n === 1 ? one : more}`);
   if (said.length) sentences.push(`${capital(said.join(", "))}.`);
@@ -132,7 +134,7 @@ function keyFigures({ kind, data, motion }) {
   if (kind === "run") {
     return [
       keyFigure("Time", show(finite(data.time) ? data.time : motion.duration), "s"), keyFigure("Driven", show(motion.line.length), "m"),
-      keyFigure("Least distance", show(data.min_separation), "m"), keyFigure("Replans", finite(data.replans) ? String(data.replans) : "\u2013", ""),
+      keyFigure("Least distance", atLeast(data.min_separation), "m"), keyFigure("Replans", finite(data.replans) ? String(data.replans) : "\u2013", ""),
     ];
   }
   const gap = gapOf(data);

@@ -4,6 +4,10 @@ import os
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")  # the same cases every time
 
 ROOT = Path(__file__).resolve().parents[2]
 

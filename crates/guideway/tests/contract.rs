@@ -173,7 +173,7 @@ fn hard() -> Query {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
     fn random_maps(cells in proptest::collection::vec(0u8..100, 15 * 12), density in 0u8..45, radius in 0usize..3, corners in 0usize..3, ends in any::<(u8, u8, u8, u8)>()) {
         let mut blocked = Bits::new(15, 12);

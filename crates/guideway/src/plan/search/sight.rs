@@ -1,6 +1,6 @@
 //! Lines of sight between cell centres, and the parts that both Theta* planners share.
 
-use super::leg::{anchor, in_own_cells, no_lattice_path, no_path};
+use super::leg::{anchor, no_lattice_path, no_path};
 use crate::Point;
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
@@ -291,7 +291,7 @@ pub(super) fn plan(query: &Query, ctx: &mut Context, expand: Expand) -> Result<S
         let (cells, count) = leg(&sight, [start, goal], ctx, expand).map_err(|stop| match stop {
             Some(Stop::Cancelled) => PlanError::Cancelled,
             Some(_) => no_path(query, false, Some("the budget of time was spent".into())),
-            None => no_lattice_path(query, in_own_cells(&lattice, [(from, start), (to, goal)]), ctx),
+            None => no_lattice_path(query, false, ctx),
         })?;
         expansions += count;
         Ok(with_ends(query, from, cells.into_iter().map(|c| lattice.center(c)).collect(), to))

@@ -54,7 +54,7 @@ from guideway.errors import (
 from guideway.records import Box, Budget, Disc, Limits, Polygon, progress
 
 if TYPE_CHECKING:
-    from guideway import io, view
+    from guideway import io, schemas, view
     from guideway.driving import drive
 
 __all__ = [
@@ -97,6 +97,7 @@ __all__ = [
     "progress",
     "reference",
     "refine",
+    "schemas",
     "scurve",
     "time",
     "view",
@@ -105,7 +106,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads the heavier parts when they are first used: a quick start matters on the command line."""
-    if name in ("io", "view"):
+    if name in ("io", "schemas", "view"):
         return importlib.import_module(f"guideway.{name}")
     if name == "drive":
         from guideway.driving import drive

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from guideway import _core, jobs
+from guideway.errors import BadParameter
 from guideway.records import Limits
 
 
@@ -82,7 +83,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "world": jobs.world_record(world, folder),
         "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
         "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),
-        "obstacles": {"shapes": world.shapes, "movers": world.movers},
+        "obstacles": {"shapes": world.shapes, "movers": world.movers, "map": {"source": world.source, "files": world.files}},
         "plan": {
             "polyline": _core.polyline(drive.trajectory.path, drive.query).tolist(),
             "duration": drive.trajectory.duration,
@@ -133,5 +134,7 @@ def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _c
     if timed is None:
         limits = Limits()
         return query, _core.time(path, limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw), limits
+    if not timed["pieces"]:
+        raise BadParameter("the plan holds no motion: its start is its goal, so there is nothing to drive")
     limits = Limits(**timed["limits"])
     return query, _core.Trajectory(path, limits, timed["pieces"]), limits

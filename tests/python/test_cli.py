@@ -165,7 +165,12 @@ def test_ctrl_c(tmp_path):
     scenario = "version 1\n" + f"0\tbig.map\t{n}\t{n}\t0\t0\t{n - 1}\t{n - 1}\t1\n" * 200
     (tmp_path / "big.scen").write_text(scenario)
     words = [sys.executable, "-m", "guideway", "plan", "big.map", "--scen", "big.scen", "--planner", "dijkstra", "--out", "rows.jsonl", "--json"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ | {"PYTHONUNBUFFERED": "1"}) as process:
+
+    def listen():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a job in the background of a script ignores it
+
+    environment = os.environ | {"PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, preexec_fn=listen) as process:
         assert process.stdout is not None
         assert process.stdout.readline()
         time.sleep(0.1)

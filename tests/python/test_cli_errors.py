@@ -91,6 +91,8 @@ BAD = [
     ([*PLAN, "--out", "nowhere/plan.json"], "nowhere"),
     ([*PLAN, "--csv", "x.csv", "--no-timing"], "--no-timing"),
     ([*PLAN, "--frobnicate"], "--frobnicate"),
+    ([*PLAN, "--out", "a.map"], "an input"),
+    ([*PLAN, "--out", "same", "--csv", "same"], "another result"),
     (["plan", "--list", "teleport"], "teleport"),
     (["plan", "a.map", "--scen", "bad.scen"], "bad.scen"),
     (["plan", "a.map", "--scen", "nowhere.scen"], "nowhere.scen"),

@@ -44,7 +44,7 @@ def handle(arguments: argparse.Namespace) -> int:
             print(f"{entry['name']:<16} {entry['about']}")
         return 0
     _check(arguments)
-    options.writable(arguments.out, arguments.report)
+    options.writable(arguments.out, arguments.report, inputs=(arguments.plan, arguments.movers))
     drive, plan = drive_of(arguments)
     with options.progress_bar() as drive.observe:
         record = driving.run(drive, options.folder_of(arguments.out))

@@ -99,14 +99,19 @@ def folder_of(path: str | None) -> str:
     return os.path.dirname(path) or "." if path else "."
 
 
-def writable(*paths: str | None) -> None:
-    """Finds out before the work, not after it, that a result has nowhere to go."""
+def writable(*paths: str | None, inputs: tuple[str | None, ...] = ()) -> None:
+    """Finds out before the work, not after it, that a result has nowhere to go, or would go over an input or another result."""
+    taken = {os.path.realpath(path): "an input of this command" for path in inputs if path}
     for path in filter(None, paths):
         folder = folder_of(path)
         if not os.path.isdir(folder):
             raise BadFile(path, f"its folder {folder!r} does not exist", "", "Create it or choose another place")
         if os.path.isdir(path):
             raise BadFile(path, "it is a folder", "a file name")
+        place = os.path.realpath(path)
+        if (place in taken and os.path.isfile(place)) or taken.get(place) == "another result":
+            raise BadFile(path, f"it is {taken[place]}", "", "Choose another name")
+        taken[place] = "another result"
 
 
 @contextlib.contextmanager

@@ -76,7 +76,7 @@ def handle(arguments: argparse.Namespace) -> int:
 
         return run_scenario(arguments)
     job, out, report = job_of(arguments)
-    options.writable(out, report, arguments.csv)
+    options.writable(out, report, arguments.csv, inputs=(arguments.map,))
     try:
         with options.progress_bar() as job.observe:
             outcome = jobs.run(job, options.folder_of(out))

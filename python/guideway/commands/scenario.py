@@ -23,13 +23,12 @@ def run_scenario(arguments: argparse.Namespace) -> int:
     world = world_of(plan.read(arguments))
     rows = rows if arguments.limit is None else rows[: arguments.limit]
     done: list[str] = []
-    options.writable(arguments.out)
+    options.writable(arguments.out, inputs=(arguments.map, arguments.scen))
     try:
         for number, row in enumerate(rows):
             line = json.dumps(_row(arguments, world, number, row), allow_nan=False)
             done.append(line)
-            if not arguments.out or arguments.json:
-                sys.stdout.write(line + "\n")
+            sys.stdout.write(line + "\n")
     finally:
         if arguments.out:
             options.write(arguments.out, "".join(line + "\n" for line in done))

@@ -25,7 +25,7 @@ def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
     from guideway.results import load_record, world_of_record
 
-    options.writable(arguments.out)
+    options.writable(arguments.out, inputs=tuple(arguments.results))
     records = [load_record(path) for path in arguments.results]
     worlds = [world_of_record(record, path) for record, path in zip(records, arguments.results, strict=True)]
     if arguments.out.lower().endswith((".png", ".svg")):

@@ -26,7 +26,7 @@ VERBS = {
 
 EXAMPLES = """examples:
   guideway demo
-  guideway plan warehouse.yaml --start 1,2 --goal 18.5,7.5 --footprint disc:0.35 --out plan.json --report plan.html
+  guideway plan warehouse.yaml --start=-5.4,-19 --goal 9.5,21.5 --footprint disc:0.35 --out plan.json --report plan.html
   guideway plan --list
   guideway drive plan.json --report run.html
   guideway maps info warehouse.yaml

@@ -15,7 +15,7 @@ from guideway.io.types import GridMap, Scene
 from guideway.worlds import footprint_record, world_of
 
 EXAMPLES = """examples:
-  guideway plan warehouse.yaml --start 1,2 --goal 18.5,7.5 --footprint disc:0.35 --clearance 0.1 --out plan.json
+  guideway plan warehouse.yaml --start=-5.4,-19 --goal 9.5,21.5 --footprint disc:0.35 --clearance 0.1 --out plan.json
   guideway plan room.toml --report room.html
   guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
   guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100

@@ -93,7 +93,7 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "guideway": _core.__version__,
         "schema": 1,
         "planner": job.planner,
-        "parameters": parameters(job),
+        "parameters": _core.parameters(job.planner, job.set or None),
         "seed": job.seed,
         "world": world_record(job.world, folder),
         "query": query_record(query),
@@ -110,12 +110,6 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "speed_ceiling": None if trajectory is None else _core.ceiling(refined.path, job.limits).tolist(),
     }
     return Outcome(record, query, solution, refined.path, trajectory)
-
-
-def parameters(job: Job) -> dict[str, Any]:
-    """The planner's parameters, defaults filled in."""
-    entry = next(entry for entry in _core.planners() if entry["name"] == job.planner)
-    return {p["name"]: p["default"] for p in entry["parameters"]} | job.set
 
 
 def world_record(world: _core.World, folder: str | os.PathLike[str]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ mod _core {
     #[pymodule_export]
     use crate::path::Path;
     #[pymodule_export]
-    use crate::plan::{Solution, plan, planners};
+    use crate::plan::{Solution, parameters, plan, planners};
     #[pymodule_export]
     use crate::query::Query;
     #[pymodule_export]

@@ -172,14 +172,23 @@ fn shown<'py>(py: Python<'py>, progress: &Progress) -> PyResult<Bound<'py, PyDic
     Ok(shown)
 }
 
-/// Every planner: name, about, source, lattice, parameters (name, about, default).
+/// Every parameter of a planner by name: those given in `set`, the others as its preset has them. Raises `BadParameter` for unknown ones.
+#[pyfunction]
+#[pyo3(signature = (planner, set=None))]
+pub fn parameters<'py>(py: Python<'py>, planner: &str, set: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+    let given = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
+    to_python(py, &core::parameters(planner, given).or_py(py)?)
+}
+
+/// Every planner: name, about, source, lattice, parameters (name, about, default), paper (the settings of `preset=paper`, or None).
 #[pyfunction]
 pub fn planners(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     let rows: Vec<_> = core::REGISTRY
         .iter()
         .map(|entry| {
             let parameters = parameter_rows(entry.parameters, &(entry.defaults)());
-            serde_json::json!({"name": entry.name, "about": entry.about, "source": entry.source, "lattice": entry.lattice, "parameters": parameters})
+            serde_json::json!({"name": entry.name, "about": entry.about, "source": entry.source, "lattice": entry.lattice, "parameters": parameters,
+                               "paper": entry.paper.map(|paper| paper())})
         })
         .collect();
     to_python(py, &rows)

@@ -1,5 +1,7 @@
 //! Planners: from a query to a path.
 
+mod legs;
+pub mod score;
 pub mod search;
 
 use crate::Point;
@@ -9,6 +11,7 @@ use crate::path::Path;
 use crate::query::Query;
 use crate::timing::Trajectory;
 use crate::world::Cell;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::any::Any;
 use std::sync::Arc;
@@ -97,13 +100,22 @@ pub struct Entry {
     pub parameters: &'static [Parameter],
     /// Default parameters as JSON.
     pub defaults: fn() -> Value,
+    /// Parameters of `preset=paper` as JSON, where the method has presets.
+    pub paper: Option<fn() -> Value>,
     /// Builds the planner from parameters as JSON.
     pub build: fn(Value) -> Result<Box<dyn Planner>, serde_json::Error>,
 }
 
-/// An [`Entry`] for a planner type: `entry!("name", Type, lattice, "source", "about", [("parameter", "about"), ...])`.
+/// An [`Entry`] for a planner type: `entry!("name", Type, lattice, "source", "about", [("parameter", "about"), ...])`, with a last argument `paper` if the
+/// type has a field `preset` and `Type::paper()` gives the settings of its source.
 #[macro_export]
 macro_rules! entry {
+    ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, $parameters:tt, paper) => {
+        $crate::plan::Entry {
+            paper: Some(|| serde_json::to_value(<$type>::paper()).unwrap_or_default()),
+            ..$crate::entry!($name, $type, $lattice, $source, $about, $parameters)
+        }
+    };
     ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, [$(($p:literal, $a:literal)),* $(,)?]) => {
         $crate::plan::Entry {
             name: $name,
@@ -112,6 +124,7 @@ macro_rules! entry {
             lattice: $lattice,
             parameters: &[$($crate::plan::Parameter { name: $p, about: $a }),*],
             defaults: || serde_json::to_value(<$type>::default()).unwrap_or_default(),
+            paper: None,
             build: |value| Ok(Box::new(serde_json::from_value::<$type>(value)?)),
         }
     };
@@ -141,23 +154,54 @@ pub const REGISTRY: &[Entry] = &[
     ),
 ];
 
-/// Builds a planner by name with parameters as a JSON object (missing ones take their defaults).
+/// Settings of a method: the product's or those of its source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Preset {
+    /// Ours: what wins is switched on.
+    #[default]
+    Default,
+    /// The settings of the source, without seeding by other searches, loop cutting and fallback.
+    Paper,
+}
+
+/// Builds a planner by name with parameters as a JSON object (missing ones take the values of the preset).
 /// # Errors
 /// [`PlanError::BadParameter`] for an unknown planner or parameter, naming the valid ones.
 pub fn planner(name: &str, parameters: Value) -> Result<Box<dyn Planner>, PlanError> {
+    let (entry, parameters) = resolve(name, parameters)?;
+    (entry.build)(parameters).map_err(|e| PlanError::bad(name, "its parameters", e.to_string()))
+}
+
+/// Every parameter of a planner by name: those given, the others as the preset has them.
+/// # Errors
+/// As [`planner`].
+pub fn parameters(name: &str, given: Value) -> Result<Value, PlanError> {
+    Ok(resolve(name, given)?.1)
+}
+
+fn resolve(name: &str, given: Value) -> Result<(&'static Entry, Value), PlanError> {
     let Some(entry) = REGISTRY.iter().find(|e| e.name == name) else {
         let names: Vec<_> = REGISTRY.iter().map(|e| e.name).collect();
         return Err(PlanError::bad("planner", name, format!("one of {}", names.join(", "))));
     };
-    let parameters = if parameters.is_null() { Value::Object(serde_json::Map::new()) } else { parameters };
-    if let Value::Object(map) = &parameters
-        && let Some(key) = map.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k))
-    {
+    let given = match given {
+        Value::Null => serde_json::Map::new(),
+        Value::Object(map) => map,
+        other => return Err(PlanError::bad(name, other, "a table of parameters")),
+    };
+    if let Some(key) = given.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k)) {
         let names: Vec<_> = entry.parameters.iter().map(|p| p.name).collect();
         let known = if names.is_empty() { "it has none".into() } else { names.join(", ") };
         return Err(PlanError::bad(format!("{name}.{key}"), "an unknown parameter", format!("parameters of {name}: {known}")));
     }
-    (entry.build)(parameters).map_err(|e| PlanError::bad(name, "its parameters", e.to_string()))
+    let base = match (entry.paper, given.get("preset").and_then(Value::as_str)) {
+        (Some(paper), Some("paper")) => paper(),
+        _ => (entry.defaults)(),
+    };
+    let mut all = base.as_object().cloned().unwrap_or_default();
+    all.extend(given);
+    Ok((entry, Value::Object(all)))
 }
 
 /// Plans leg by leg through the via points: `leg(from, to)` solves one, the result is one polyline.

@@ -1,11 +1,11 @@
-//! From a query to searches on the lattice and back: stubs at the ends, via points, budget and cancel.
+//! Exact searches on the legs of a query, with budget and cancel; the ends of legs; and how it is reported that there is no path.
 
-use super::{Ask, End, Steps, every_cell, jump, step, turns};
+use super::{Ask, End, jump, step};
 use crate::Point;
 use crate::context::{Context, Stop};
 use crate::error::{NoPath, PlanError};
-use crate::path::Path;
 use crate::plan::Solution;
+use crate::plan::legs::{self, Leg};
 use crate::query::Query;
 use crate::world::{Cell, Corners, Lattice, shape};
 use serde_json::{Value, json};
@@ -65,77 +65,41 @@ pub fn grid_optimum(query: &Query, ctx: &mut Context) -> Result<Solution, PlanEr
 
 /// Plans a query leg by leg.
 pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
-    query.validate()?;
-    let lattice = query.world.lattice(query.radius());
-    let mut legs = Legs { query, lattice: &lattice, engine, cells: Vec::new(), points: vec![query.start], steps: Steps::default(), stubs: 0.0 };
-    for pair in query.stops().windows(2) {
-        legs.leg(pair[0], pair[1], ctx)?;
-    }
-    let (cost, runs) = (legs.steps.length() * lattice.resolution() + legs.stubs, engine.on(&lattice, query.corners));
+    let (mut expansions, mut runs) = (0, engine);
+    let route = legs::plan(query, ctx, |leg, ctx| {
+        runs = engine.on(leg.lattice, query.corners);
+        let (cells, count) = search(engine, leg, ctx)?;
+        expansions += count;
+        Ok(cells)
+    })?;
     let trace = if runs == engine { Value::Null } else { json!({ "engine": runs.name() }) };
-    let found = Solution::of_search(Path::polyline(&legs.points), cost, legs.steps.expansions, ctx);
-    Ok(Solution { cells: Some(legs.cells), trace, ..found })
+    let found = Solution::of_search(route.path(), route.length, expansions, ctx);
+    Ok(Solution { cells: Some(route.cells), trace, ..found })
 }
 
-/// The legs planned so far.
-struct Legs<'a> {
-    query: &'a Query,
-    lattice: &'a Lattice,
-    engine: Engine,
-    cells: Vec<Cell>,
-    points: Vec<Point>,
-    steps: Steps,
-    /// Length of the stubs between points and cell centres, m.
-    stubs: f64,
-}
-
-impl Legs<'_> {
-    fn leg(&mut self, from: Point, to: Point, ctx: &mut Context) -> Result<(), PlanError> {
-        let (Some(start), Some(goal)) = (anchor(self.query, self.lattice, from), anchor(self.query, self.lattice, to)) else {
-            return Err(no_path(self.query, false, Some("no free cell centre of the lattice is in reach of the start or the goal".into())));
-        };
-        let (mut found, mut stopped) = (Vec::new(), None);
-        let mut stop = || {
-            stopped = ctx.poll();
-            stopped.is_some()
-        };
-        let mut ask = Ask { lattice: self.lattice, start, goal, corners: self.query.corners, stop: &mut stop };
-        match run(self.engine, &mut ask, &mut found) {
-            End::Found(steps) => self.add(&found, steps, to),
-            End::Exhausted => {
-                let own = in_own_cells(self.lattice, [(from, start), (to, goal)]);
-                return Err(no_lattice_path(self.query, own, ctx));
-            }
-            End::Stopped if stopped == Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
-            End::Stopped => return Err(no_path(self.query, false, Some("the budget of time was spent".into()))),
-            End::Overflow => return Err(no_path(self.query, false, Some("the path is too long for exact costs".into()))),
+/// One leg: the turning points (or all cells) of a shortest path, and the nodes expanded. Also the proof that there is none.
+pub(super) fn search(engine: Engine, leg: &Leg, ctx: &mut Context) -> Result<(Vec<Cell>, u64), PlanError> {
+    let (query, mut found, mut stopped) = (leg.query, Vec::new(), None);
+    let mut stop = || {
+        stopped = ctx.poll();
+        stopped.is_some()
+    };
+    let mut ask = Ask { lattice: leg.lattice, start: leg.start, goal: leg.goal, corners: query.corners, stop: &mut stop };
+    match run(engine, &mut ask, &mut found) {
+        End::Found(steps) => Ok((found, steps.expansions)),
+        End::Exhausted => {
+            let own = in_own_cells(leg.lattice, [(leg.ends[0], leg.start), (leg.ends[1], leg.goal)]);
+            Err(no_lattice_path(query, own, ctx))
         }
-        Ok(())
-    }
-
-    /// Appends a path found between two anchors and the stubs at its ends.
-    fn add(&mut self, found: &[Cell], steps: Steps, to: Point) {
-        let from = self.points[self.points.len() - 1];
-        self.stubs += shape::distance(from, self.lattice.center(found[0])) + shape::distance(self.lattice.center(found[found.len() - 1]), to);
-        self.points.reserve(found.len() + 1);
-        self.points.extend(turns(found).into_iter().map(|c| self.lattice.center(c)));
-        self.points.push(to);
-        let cells = every_cell(found);
-        if self.cells.is_empty() {
-            self.cells = cells;
-        } else {
-            let joint = usize::from(self.cells.last() == cells.first());
-            self.cells.extend_from_slice(&cells[joint..]);
-        }
-        self.steps.straight += steps.straight;
-        self.steps.diagonal += steps.diagonal;
-        self.steps.expansions += steps.expansions;
+        End::Stopped if stopped == Some(Stop::Cancelled) => Err(PlanError::Cancelled),
+        End::Stopped => Err(no_path(query, false, Some("the budget of time was spent".into()))),
+        End::Overflow => Err(no_path(query, false, Some("the path is too long for exact costs".into()))),
     }
 }
 
 /// The free cell that a search begins or ends at: the own cell of `p`, or the one with the nearest centre that can be reached from it in a straight
 /// line, up to two cells or the robot's radius away.
-pub(super) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell> {
+pub(in crate::plan) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Option<Cell> {
     let own = lattice.cell_at(p)?;
     let reach = |c: Cell| {
         let center = lattice.center(c);
@@ -188,6 +152,6 @@ pub(super) fn no_lattice_path(query: &Query, own: bool, ctx: &mut Context) -> Pl
 }
 
 /// The one place where a lattice search reports that there is no path.
-pub(super) fn no_path(query: &Query, proved: bool, reason: Option<String>) -> PlanError {
+pub(in crate::plan) fn no_path(query: &Query, proved: bool, reason: Option<String>) -> PlanError {
     PlanError::NoPath(Box::new(NoPath { proved, needed: query.radius(), reason, ..NoPath::default() }))
 }

@@ -21,6 +21,7 @@ pub use explain::explain;
 pub use jump_point::JumpPoint;
 pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
+pub(super) use leg::{anchor, no_path};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;
@@ -118,7 +119,7 @@ pub fn every_cell(turns: &[Cell]) -> Vec<Cell> {
 }
 
 /// The turning points of a path along the eight directions: cells where the direction changes, and both ends.
-fn turns(cells: &[Cell]) -> Vec<Cell> {
+pub(super) fn turns(cells: &[Cell]) -> Vec<Cell> {
     let way = |a: Cell, b: Cell| [0, 1].map(|k| (i64::from(b[k]) - i64::from(a[k])).signum());
     let mut out = Vec::with_capacity(cells.len().min(64));
     for (k, &cell) in cells.iter().enumerate() {

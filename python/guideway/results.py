@@ -10,6 +10,7 @@ from typing import Any
 from guideway._core import World
 from guideway.errors import BadFile
 from guideway.io import files
+from guideway.io.packaged import is_packaged
 
 
 def load_record(path: str | os.PathLike[str]) -> dict[str, Any]:
@@ -44,16 +45,22 @@ def world_of_record(record: dict[str, Any], path: str | os.PathLike[str]) -> Wor
     source, digest = (named.get("source"), named.get("sha256")) if isinstance(named, dict) else (None, None)
     if not isinstance(source, str):
         raise BadFile(os.fspath(path), "it names no map (world.source)", "a record made from a map or scene file")
+    found = source if is_packaged(source) else _found(source, path)
+    world = load(found)
+    files = named.get("files") if isinstance(named, dict) else None
+    others = [name for name, known in files.items() if world.files.get(name) != known] if isinstance(files, dict) else []
+    if others or (isinstance(digest, str) and world.sha256 != digest):
+        what = f"it is not the map that {os.fspath(path)} was made with (another sha256{' of ' + others[0] if others else ''})"
+        raise BadFile(found, what, "", "Plan again on this map")
+    return world
+
+
+def _found(source: str, path: str | os.PathLike[str]) -> str:
+    """Where the map of the record ``path`` is: beside it or in the working folder, with its number in a collection."""
     plain, mark, number = source.partition("#")
     places = [Path(path).parent / plain, Path(plain)]
     found = next((place for place in places if place.exists()), None)
     if found is None:
         tried = " and ".join(str(place) for place in dict.fromkeys(places))
         raise BadFile(os.fspath(path), f"its map {source!r} is not there (tried {tried})", "", "Put the map back, or plan again")
-    world = load(f"{found}{mark}{number}")
-    files = named.get("files") if isinstance(named, dict) else None
-    others = [name for name, known in files.items() if world.files.get(name) != known] if isinstance(files, dict) else []
-    if others or (isinstance(digest, str) and world.sha256 != digest):
-        what = f"it is not the map that {os.fspath(path)} was made with (another sha256{' of ' + others[0] if others else ''})"
-        raise BadFile(str(found), what, "", "Plan again on this map")
-    return world
+    return f"{found}{mark}{number}"

@@ -14,7 +14,7 @@ EXAMPLES = """examples:
   guideway maps convert barn_worlds.json.gz#7 barn7.toml
   guideway maps view warehouse.yaml --out warehouse.png"""
 
-_MAP = "map_server *.yaml, Moving AI *.map, text *.txt, scene *.toml, or number N of a collection (*.json#N)"
+_MAP = "map_server *.yaml, Moving AI *.map, text *.txt, scene *.toml, scene:NAME, or number N of a collection (*.json#N)"
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -18,6 +18,7 @@ EXAMPLES = """examples:
   guideway plan warehouse.yaml --start=-5.4,-19 --goal 9.5,21.5 --footprint disc:0.35 --clearance 0.1 --out plan.json
   guideway plan room.toml --report room.html
   guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
+  guideway plan scene:pso-aco-1 --planner jump-point
   guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100
   guideway plan --list jump-point"""
 
@@ -33,7 +34,7 @@ LIMITS = (
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
     parser.epilog = EXAMPLES
-    parser.add_argument("map", nargs="?", metavar="MAP", help="map_server *.yaml, Moving AI *.map, text *.txt, or scene or job *.toml")
+    parser.add_argument("map", nargs="?", metavar="MAP", help="map_server *.yaml, Moving AI *.map, text *.txt, scene or job *.toml, or scene:NAME")
     parser.add_argument("--list", nargs="?", const="", metavar="NAME", help="planners with a line each, or the parameters of one")
     parser.add_argument("--scen", metavar="FILE", help="every row of a Moving AI scenario, one JSON object per row")
     parser.add_argument("--limit", type=int, metavar="N", help="only the first N rows of the scenario")

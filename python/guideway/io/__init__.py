@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from guideway.io.info import maps_info
     from guideway.io.lines import ScenarioRow, load_moving_ai, load_scenario, load_text
     from guideway.io.map_server import load_map_server
+    from guideway.io.packaged import load_packaged
     from guideway.io.scene import load_movers, load_scene
     from guideway.io.types import Appears, Disc, Footprint, GridMap, Lidar, Mover, Plan, Polygon, Query, Robot, Scene, Thresholds, Unknown
     from guideway.io.write import write_atomic
@@ -27,6 +28,7 @@ _HOME = {
     **dict.fromkeys(("write_map", "write_trajectory"), "export"),
     "load_collection": "collections",
     "load_map_server": "map_server",
+    "load_packaged": "packaged",
     "maps_info": "info",
     "write_atomic": "write",
 }
@@ -50,6 +52,7 @@ __all__ = [
     "load_map_server",
     "load_movers",
     "load_moving_ai",
+    "load_packaged",
     "load_scenario",
     "load_scene",
     "load_text",
@@ -59,7 +62,7 @@ __all__ = [
     "write_trajectory",
 ]
 
-_KINDS = "*.yaml (map_server), *.map (Moving AI), *.txt (rows of . and #), *.toml (scene), or a collection such as barn_worlds.json.gz#7"
+_KINDS = "*.yaml (map_server), *.map (Moving AI), *.txt (rows of . and #), *.toml (scene), a collection such as barn_worlds.json.gz#7, or scene:NAME"
 
 
 def __getattr__(name: str) -> Any:
@@ -74,11 +77,15 @@ def _extension(path: str | os.PathLike[str]) -> str:
 
 
 def load(path: str | os.PathLike[str], *, unknown: Unknown | None = None, thresholds: Thresholds | None = None) -> GridMap | Scene:
-    """Loads whatever ``MAP`` of the command line may be, told by its name.
+    """Loads whatever ``MAP`` of the command line may be, told by its name; ``scene:NAME`` is a scene that ships with the package.
 
     ``unknown`` ("blocked", "free") says what unknown cells of map_server maps do to the robot, ``thresholds`` ("inclusive", "strict") picks the
     reading of their pixels (see :mod:`guideway.io.map_server`). Raises :class:`guideway.errors.BadFile`.
     """
+    if os.fspath(path).startswith("scene:"):
+        from guideway.io.packaged import load_packaged
+
+        return load_packaged(path, unknown=unknown, thresholds=thresholds)
     if _extension(os.fspath(path).rpartition("#")[0] or path) == ".json" or _extension(path) == ".json":
         from guideway.io.collections import load_collection
 

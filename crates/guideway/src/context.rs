@@ -65,6 +65,14 @@ pub struct Context<'a> {
     observed: Option<Instant>,
 }
 
+/// Random numbers of one individual of one iteration: the same for every number of threads.
+pub fn stream(seed: u64, iteration: u64, individual: u64) -> ChaCha8Rng {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    // Streams of one seed never meet; stream 0 is the serial one.
+    rng.set_stream((iteration << 24 | individual & 0x00ff_ffff) + 1);
+    rng
+}
+
 impl<'a> Context<'a> {
     /// A context without budget or observer, one thread.
     pub fn new(seed: u64) -> Self {

@@ -19,7 +19,6 @@ pub(super) struct Leg<'a> {
     /// The points the cells stand for, m.
     pub ends: [Point; 2],
     /// Length of the legs before this one, m.
-    #[expect(dead_code, reason = "for planners that report progress across legs")]
     pub before: f64,
 }
 

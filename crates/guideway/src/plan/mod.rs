@@ -1,8 +1,12 @@
 //! Planners: from a query to a path.
 
+pub mod colony;
 mod legs;
+mod registry;
 pub mod score;
 pub mod search;
+
+pub use registry::REGISTRY;
 
 use crate::Point;
 use crate::context::{Context, Stop};
@@ -129,30 +133,6 @@ macro_rules! entry {
         }
     };
 }
-
-/// Every planner, one line each.
-pub const REGISTRY: &[Entry] = &[
-    entry!("dijkstra", search::Dijkstra, true, "dijkstra1959", "Exact shortest lattice path, uninformed; the oracle of the other searches", []),
-    entry!("astar", search::AStar, true, "hart1968", "Exact shortest lattice path by A* with the octile distance", []),
-    entry!(
-        "jump-point",
-        search::JumpPoint,
-        true,
-        "harabor2011, harabor2014",
-        "Exact shortest lattice path by bit-parallel jump point search; the fastest",
-        []
-    ),
-    entry!("theta-star", search::ThetaStar, false, "daniel2010", "Any-angle path over the lattice, near the optimum", []),
-    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Theta* that looks along a line only when it expands its end", []),
-    entry!(
-        "visibility",
-        search::Visibility,
-        false,
-        "harabor2016, cui2017, lozano1979",
-        "Exact any-angle optimum: tangents and arcs around everything in the way",
-        []
-    ),
-];
 
 /// Settings of a method: the product's or those of its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

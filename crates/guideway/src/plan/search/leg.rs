@@ -78,7 +78,7 @@ pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<S
 }
 
 /// One leg: the turning points (or all cells) of a shortest path, and the nodes expanded. Also the proof that there is none.
-pub(super) fn search(engine: Engine, leg: &Leg, ctx: &mut Context) -> Result<(Vec<Cell>, u64), PlanError> {
+pub(in crate::plan) fn search(engine: Engine, leg: &Leg, ctx: &mut Context) -> Result<(Vec<Cell>, u64), PlanError> {
     let (query, mut found, mut stopped) = (leg.query, Vec::new(), None);
     let mut stop = || {
         stopped = ctx.poll();

@@ -21,7 +21,7 @@ pub use explain::explain;
 pub use jump_point::JumpPoint;
 pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
-pub(super) use leg::{anchor, no_path};
+pub(super) use leg::{anchor, no_path, search};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;

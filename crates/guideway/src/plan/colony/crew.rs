@@ -1,0 +1,144 @@
+//! A generation of ants: all walk on the same pheromone, each with random numbers of its own, on as many threads as there are.
+
+use super::pheromone::Pheromone;
+use super::roads::Roads;
+use super::rule::Choices;
+use super::walk::{Legs, Trail};
+use crate::context::{Context, Stop, stream};
+use crate::plan::score::Aim;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::sync::Mutex;
+
+/// Nodes that may be looked at between two questions whether to go on.
+const PATIENCE: usize = 1 << 21;
+
+/// What all walks of a colony have in common.
+pub(in crate::plan) struct Crew<'a, R> {
+    pub roads: &'a R,
+    pub aim: Aim,
+    /// Cut loops out of finished walks?
+    pub cut: bool,
+    /// Largest number of steps, those back included.
+    pub steps: usize,
+    legs: Mutex<Vec<Legs>>,
+    workers: Option<rayon::ThreadPool>,
+}
+
+/// One march of a generation.
+pub(in crate::plan) struct March {
+    pub ants: usize,
+    pub from: u32,
+    /// Number of the generation, different in every march of a call.
+    pub number: u64,
+}
+
+impl<'a, R: Roads> Crew<'a, R> {
+    /// Ants for a graph; `steps` is the largest number of steps of one ant.
+    pub fn new(roads: &'a R, aim: Aim, cut: bool, steps: usize, ctx: &Context) -> Self {
+        let threads = ctx.threads();
+        // Without worker threads (the system refuses them) the work is done here.
+        let workers = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
+        Self { roads, aim, cut, steps, legs: Mutex::default(), workers }
+    }
+
+    /// Sends the ants out; `walk` is what one of them does. Results are in the order of the ants, whatever the number of threads.
+    pub fn march<T: Send>(
+        &self,
+        march: &March,
+        ctx: &mut Context,
+        walk: impl Fn(usize, &mut Legs, &mut ChaCha8Rng) -> T + Sync,
+    ) -> Result<Vec<T>, Stop> {
+        let threads = self.workers.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
+        let chunk = (PATIENCE / self.roads.nodes().max(1)).max(threads).min(march.ants.max(1));
+        let seed = ctx.seed();
+        let one = |ant: usize, legs: &mut Legs| {
+            legs.set_out(march.from);
+            walk(ant, legs, &mut stream(seed, march.number, ant as u64))
+        };
+        let mut done = Vec::with_capacity(march.ants);
+        for first in (0..march.ants).step_by(chunk) {
+            if first > 0
+                && let Some(stop) = ctx.poll()
+            {
+                return Err(stop);
+            }
+            let ants = first..(first + chunk).min(march.ants);
+            match &self.workers {
+                None => {
+                    let mut legs = self.borrow();
+                    done.extend(ants.map(|ant| one(ant, &mut legs)));
+                    self.give_back(legs);
+                }
+                Some(workers) => {
+                    let share = ants.len().div_ceil(2 * threads);
+                    let parts: Vec<Vec<T>> = workers.install(|| {
+                        let ants: Vec<usize> = ants.collect();
+                        ants.par_chunks(share)
+                            .map(|part| {
+                                let mut legs = self.borrow();
+                                let found = part.iter().map(|ant| one(*ant, &mut legs)).collect();
+                                self.give_back(legs);
+                                found
+                            })
+                            .collect()
+                    });
+                    done.extend(parts.into_iter().flatten());
+                }
+            }
+        }
+        ctx.count_evaluations(march.ants as u64);
+        Ok(done)
+    }
+
+    fn borrow(&self) -> Legs {
+        let free = self.legs.lock().ok().and_then(|mut legs| legs.pop());
+        free.unwrap_or_else(|| Legs::new(self.roads))
+    }
+
+    fn give_back(&self, legs: Legs) {
+        if let Ok(mut free) = self.legs.lock() {
+            free.push(legs);
+        }
+    }
+
+    /// The plain walk: by the rule, back out of dead ends, until the target, the start again, or the last step.
+    pub fn walk(&self, tau: &Pheromone, choices: &Choices, legs: &mut Legs, rng: &mut ChaCha8Rng) -> Option<Trail> {
+        for _ in 0..self.steps {
+            if legs.here() == choices.target() {
+                return Some(legs.trail(self.roads, self.cut, self.aim));
+            }
+            if !legs.step(self.roads, tau, choices, &|_| false, rng) && !legs.roll_back() {
+                return None;
+            }
+        }
+        (legs.here() == choices.target()).then(|| legs.trail(self.roads, self.cut, self.aim))
+    }
+
+    /// Adds pheromone along a trail.
+    pub fn mark(&self, tau: &mut Pheromone, trail: &Trail, amount: f64) {
+        for (exit, from) in trail.exits.iter().zip(&trail.nodes) {
+            tau.deposit(self.roads, *from, *exit, amount);
+        }
+    }
+
+    /// A generation of plain walks; ants that did not arrive are left out.
+    pub fn generation(&self, march: &March, tau: &Pheromone, choices: &Choices, ctx: &mut Context) -> Result<Vec<Trail>, Stop> {
+        let trails = self.march(march, ctx, |_, legs, rng| self.walk(tau, choices, legs, rng))?;
+        Ok(trails.into_iter().flatten().collect())
+    }
+}
+
+/// The better of two trails; the first of equals.
+pub(in crate::plan) fn better(best: Option<Trail>, next: Option<&Trail>) -> Option<Trail> {
+    match (best, next) {
+        (Some(best), Some(next)) => Some(if next.score.beats(best.score) { next.clone() } else { best }),
+        (None, next) => next.cloned(),
+        (best, None) => best,
+    }
+}
+
+/// The best trail of a generation, the first of equals.
+pub(in crate::plan) fn best_of(trails: &[Trail]) -> Option<&Trail> {
+    trails.iter().reduce(|a, b| if b.score.beats(a.score) { b } else { a })
+}

@@ -1,0 +1,147 @@
+//! The one pheromone store: logarithms on slots, evaporated when they are read.
+//!
+//! Evaporation multiplies every trail, so it is a count of rounds here; a slot knows the round of its last change. Only slots that ants marked take
+//! memory. The bounds hold at every reading.
+
+use super::paged::Paged;
+use super::roads::{Exit, Roads};
+
+/// Concentration on a slot as it was after round `round`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Trail {
+    ln: f64,
+    round: u32,
+    marked: bool,
+}
+
+/// Initial concentration of the road to a node.
+pub(in crate::plan) type Initial<'a> = dyn Fn(u32) -> f64 + Sync + 'a;
+
+/// Concentrations on the roads of a graph, the same in both directions.
+pub(in crate::plan) struct Pheromone<'a> {
+    slots: Paged<Trail>,
+    initial: Box<Initial<'a>>,
+    /// ln of what one evaporation leaves.
+    keep: f64,
+    /// Logarithms of the least and largest concentration.
+    bounds: [f64; 2],
+    round: u32,
+    /// Rounds in which all trails were drawn towards a concentration, and that concentration.
+    smoothed: Vec<(u32, f64)>,
+}
+
+impl<'a> Pheromone<'a> {
+    /// Concentrations from `initial`, kept within `bounds`; an evaporation takes the share `rho`.
+    pub fn new(roads: &impl Roads, initial: impl Fn(u32) -> f64 + Sync + 'a, rho: f64, bounds: [f64; 2]) -> Self {
+        let slots = Paged::new(roads.slots());
+        Self { slots, initial: Box::new(initial), keep: (1.0 - rho).ln(), bounds: bounds.map(f64::ln), round: 0, smoothed: Vec::new() }
+    }
+
+    /// ln of the concentration on an exit.
+    pub fn ln(&self, exit: Exit) -> f64 {
+        let trail = match self.slots.find(exit.slot as usize) {
+            Some(trail) if trail.marked => *trail,
+            _ => Trail { ln: (self.initial)(exit.to).ln(), ..Trail::default() },
+        };
+        self.aged(trail)
+    }
+
+    fn aged(&self, trail: Trail) -> f64 {
+        let (mut ln, mut round) = (trail.ln, trail.round);
+        for &(when, goal) in self.smoothed.iter().filter(|s| s.0 >= trail.round) {
+            ln = self.within(ln + f64::from(when - round) * self.keep);
+            (ln, round) = (0.5f64.mul_add(goal - ln.exp(), ln.exp()).ln(), when);
+        }
+        self.within(ln + f64::from(self.round - round) * self.keep)
+    }
+
+    fn within(&self, ln: f64) -> f64 {
+        ln.clamp(self.bounds[0], self.bounds[1])
+    }
+
+    /// One evaporation.
+    pub fn evaporate(&mut self) {
+        self.round += 1;
+    }
+
+    /// Adds to a road, in both directions. `from` is where the exit leaves.
+    pub fn deposit(&mut self, roads: &impl Roads, from: u32, exit: Exit, amount: f64) {
+        let back = Exit { to: from, slot: roads.back(from, exit), ..exit };
+        for exit in [exit, back] {
+            let ln = self.within((self.ln(exit).exp() + amount).ln());
+            self.set(exit.slot, ln);
+        }
+    }
+
+    /// Sets the concentration of a road, in both directions.
+    pub fn assign(&mut self, roads: &impl Roads, from: u32, exit: Exit, value: f64) {
+        let ln = self.within(value.ln());
+        self.set(exit.slot, ln);
+        self.set(roads.back(from, exit), ln);
+    }
+
+    fn set(&mut self, slot: u32, ln: f64) {
+        let round = self.round;
+        if let Some(trail) = self.slots.at_mut(slot as usize) {
+            *trail = Trail { ln, round, marked: true };
+        }
+    }
+
+    /// Changes the least and largest concentration.
+    pub fn bound(&mut self, bounds: [f64; 2]) {
+        self.bounds = bounds.map(f64::ln);
+    }
+
+    /// Draws every concentration half the way to `goal`.
+    pub fn smooth(&mut self, goal: f64) {
+        self.smoothed.push((self.round, goal));
+    }
+
+    /// Back to the initial concentrations.
+    pub fn restart(&mut self) {
+        self.slots.clear();
+        self.smoothed.clear();
+        self.round = 0;
+    }
+
+    /// Slots that were ever marked and their concentrations, in order of slots: for pictures and memories.
+    pub fn marked(&self) -> Vec<(u32, f64)> {
+        self.slots.entries().filter(|(_, trail)| trail.marked).map(|(slot, trail)| (slot as u32, self.aged(*trail).exp())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::roads::Streets;
+    use super::*;
+    use crate::world::{Bits, Corners, Grid, World};
+
+    #[test]
+    fn lazy_evaporation_equals_the_plain_rule() {
+        let world = World::from_grid(Grid::new(Bits::new(4, 4), None, 1.0, [0.0; 3]).unwrap());
+        let lattice = world.lattice(0.0);
+        let roads = Streets::new(&lattice, Corners::Touch);
+        let mut tau = Pheromone::new(&roads, |_| 1.0, 0.2, [0.05, 3.0]);
+        let mut exits = Vec::new();
+        roads.exits(5, &mut exits);
+        let mut plain: Vec<f64> = vec![1.0; exits.len()];
+        for round in 0..60 {
+            tau.evaporate();
+            plain = plain.iter().map(|t| (t * 0.8).max(0.05)).collect();
+            let k = round * 7 % exits.len();
+            if round % 3 != 0 {
+                tau.deposit(&roads, 5, exits[k], 0.4);
+                plain[k] = (plain[k] + 0.4).min(3.0);
+            }
+            if round == 31 {
+                tau.smooth(3.0);
+                plain = plain.iter().map(|t| t + 0.5 * (3.0 - t)).collect();
+            }
+            for (exit, expected) in exits.iter().zip(&plain) {
+                assert!((tau.ln(*exit).exp() - expected).abs() < 1e-12 * expected, "round {round}");
+                let back = Exit { to: 5, slot: roads.back(5, *exit), ..*exit };
+                assert!((tau.ln(back) - tau.ln(*exit)).abs() < 1e-12, "the same in both directions");
+            }
+        }
+    }
+}

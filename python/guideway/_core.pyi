@@ -79,6 +79,7 @@ class Query:
         via: Sequence[Sequence[float]] | None = None,
         footprint: Any = None,
         clearance: float = 0.0,
+        half_width: float = 0.0,
         corners: str | None = None,
         material: str = "standard",
     ) -> Query: ...
@@ -96,6 +97,8 @@ class Query:
     def via(self) -> list[list[float]]: ...
     @property
     def clearance(self) -> float: ...
+    @property
+    def half_width(self) -> float: ...
     @property
     def footprint(self) -> dict[str, Any]: ...
     @property

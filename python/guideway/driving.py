@@ -125,6 +125,7 @@ def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _c
         via=asked["via"],
         footprint=asked["footprint"],
         clearance=asked["clearance"],
+        half_width=asked.get("half_width", 0.0),
         corners=asked["corners"],
         material=asked["material"],
     )

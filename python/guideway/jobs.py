@@ -23,6 +23,7 @@ class Job:
     via: list[tuple[float, float]] = field(default_factory=list)
     footprint: dict[str, Any] = field(default_factory=lambda: {"disc": 0.0})
     clearance: float = 0.0
+    half_width: float = 0.0
     corners: str | None = None
     material: str = "standard"
     planner: str = "visibility"
@@ -45,6 +46,7 @@ class Job:
             via=self.via,
             footprint=self.footprint,
             clearance=self.clearance,
+            half_width=self.half_width,
             corners=self.corners,
             material=self.material,
         )
@@ -135,6 +137,7 @@ def query_record(query: _core.Query) -> dict[str, Any]:
         "via": [list(point) for point in query.via],
         "footprint": query.footprint,
         "clearance": query.clearance,
+        "half_width": query.half_width,
         "corners": query.corners,
         "material": query.material,
     }

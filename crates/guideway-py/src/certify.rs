@@ -40,18 +40,19 @@ pub fn certify<'py>(
     if trajectory.is_some_and(|motion| motion.inner.path != *path) {
         return Err(to_py(py, &PlanError::bad("trajectory", "it follows another path", "a motion along the path that is certified")));
     }
-    let (collision, mut checks) = py.detach(|| {
-        let collision = checker::collision(path, query, step);
+    let (collision, marking, mut checks) = py.detach(|| {
+        let (collision, marking) = (checker::collision(path, query, step), checker::marking(path, query, step));
         let mut checks = vec![ends(path, query)];
         if let Some(motion) = trajectory {
             let asked = motion::Asked { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..motion::Asked::default() };
             checks.extend(motion::motion(&motion.inner, &asked));
         }
-        (collision, checks)
+        (collision, marking, checks)
     });
     let gap = json!({"name": "clearance", "ok": collision.ok, "worst": collision.min_clearance, "limit": query.clearance, "at": null});
-    let ok = collision.ok && checks.iter().all(|check| check.ok);
+    let ok = collision.ok && marking.as_ref().is_none_or(|m| m.ok) && checks.iter().all(|check| check.ok);
     let mut rows = vec![gap];
+    rows.extend(marking.map(|m| json!({"name": "security marking", "ok": m.ok, "worst": m.min_clearance, "limit": query.radius(), "at": null})));
     rows.extend(checks.drain(..).map(|check| json!(check)));
     if max_curvature.is_some() {
         let mut row = json!(checker::curvature(path, max_curvature));

@@ -12,6 +12,7 @@ use std::sync::Arc;
 /// From where to where, with which robot, how close to obstacles.
 ///
 /// `start` and `goal` are (x, y) or (x, y, yaw) in m and rad. `corners` defaults by material: standard and heavy touch, long clear.
+/// `half_width` (m) is that of a long load; with `material="long"` and `clear` every planner keeps off obstacles by at least half a cell.
 #[pyclass(frozen, module = "guideway")]
 pub struct Query {
     pub inner: query::Query,
@@ -22,7 +23,7 @@ pub struct Query {
 #[pymethods]
 impl Query {
     #[new]
-    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, corners=None, material="standard"))]
+    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, half_width=0.0, corners=None, material="standard"))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     #[expect(clippy::needless_pass_by_value, reason = "the binding's extraction hands them over by value")]
     fn new(
@@ -33,6 +34,7 @@ impl Query {
         via: Option<Vec<[f64; 2]>>,
         footprint: Option<Bound<'_, PyAny>>,
         clearance: f64,
+        half_width: f64,
         corners: Option<&str>,
         material: &str,
     ) -> PyResult<Self> {
@@ -40,7 +42,7 @@ impl Query {
         let mut inner = query::Query::new(Arc::clone(&world.get().inner), start, goal);
         (inner.start_yaw, inner.goal_yaw) = (start_yaw, goal_yaw);
         inner.via = via.unwrap_or_default();
-        inner.clearance = clearance;
+        (inner.clearance, inner.half_width) = (clearance, half_width);
         if let Some(footprint) = footprint {
             inner.footprint = from_python::<Footprint>("footprint", &footprint)?.validated().or_py(py)?;
         }
@@ -87,6 +89,11 @@ impl Query {
     #[getter]
     fn clearance(&self) -> f64 {
         self.inner.clearance
+    }
+    /// Half the width of the load, m; it counts for long material.
+    #[getter]
+    fn half_width(&self) -> f64 {
+        self.inner.half_width
     }
     /// Footprint as a dictionary.
     #[getter]

@@ -6,6 +6,9 @@ use crate::world::{Corners, Footprint, World};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Points nearer to an obstacle than this take the security marking off, m.
+const LEAST_MARKING: f64 = 1e-6;
+
 /// Transported material; it picks the product (shortest, safest, least energy).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -13,7 +16,7 @@ pub enum Material {
     /// Shortest path.
     #[default]
     Standard,
-    /// Safest path: no contact with obstacles.
+    /// Safest path: no contact with obstacles, room for the load.
     Long,
     /// Least energy: few turns, smooth.
     Heavy,
@@ -81,6 +84,8 @@ pub struct Query {
     pub footprint: Footprint,
     /// Distance to keep between footprint and obstacles, m.
     pub clearance: f64,
+    /// Half the width of the load, m; it counts where [`Material::Long`] is carried.
+    pub half_width: f64,
     /// When a diagonal step on a grid is allowed.
     pub corners: Corners,
     /// Transported material.
@@ -99,14 +104,29 @@ impl Query {
             via: Vec::new(),
             footprint: Footprint::default(),
             clearance: 0.0,
+            half_width: 0.0,
             corners: Corners::default(),
             material: Material::default(),
         }
     }
 
     /// Radius of the disc that planners keep free around the reference point, m: circumscribed footprint plus clearance, enough for every heading.
+    ///
+    /// For long loads the half-width counts where it exceeds the footprint, and, with the corner rule `clear`, the security marking: at least half a
+    /// cell, which is what a lattice path under that rule keeps anyway (proof at `refine::SecurityMarking`). Where a start, goal or via point is
+    /// nearer to an obstacle than half a cell, as much as the nearest of them has; so the marking never blocks a point. It looks the points up: keep
+    /// the value in loops.
     pub fn radius(&self) -> f64 {
-        self.footprint.circumscribed() + self.clearance
+        let long = self.material == Material::Long;
+        let body = self.footprint.circumscribed();
+        let needed = if long { body.max(self.half_width) } else { body } + self.clearance;
+        let marked = 0.5 * self.world.resolution();
+        if !long || self.corners != Corners::Clear || needed >= marked {
+            return needed;
+        }
+        let admitted = self.stops().into_iter().map(|p| self.world.clearance_within(p, marked)).fold(marked, f64::min);
+        // A point that touches an obstacle admits nothing.
+        if admitted > LEAST_MARKING { needed.max(admitted) } else { needed }
     }
 
     /// Start, via points and goal, in order.
@@ -124,6 +144,9 @@ impl Query {
     pub fn validate(&self) -> Result<(), PlanError> {
         if !(self.clearance.is_finite() && (0.0..=1e6).contains(&self.clearance)) {
             return Err(PlanError::bad("clearance", self.clearance, "0 to 1e6 m"));
+        }
+        if !(self.half_width.is_finite() && (0.0..=1e6).contains(&self.half_width)) {
+            return Err(PlanError::bad("half_width", self.half_width, "0 to 1e6 m"));
         }
         for (name, yaw) in [("start yaw", self.start_yaw), ("goal yaw", self.goal_yaw)] {
             if let Some(yaw) = yaw.filter(|yaw| !yaw.is_finite()) {

@@ -46,6 +46,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--via", metavar="X,Y", action="append", help="a point to pass, in order; may be repeated")
     where.add_argument("--footprint", metavar="SHAPE", help="disc:R, box:L,W or polygon:x,y;x,y;... in m (default a point)")
     where.add_argument("--clearance", type=float, metavar="M", help="distance to keep from obstacles, m (default 0)")
+    where.add_argument("--half-width", type=float, metavar="M", help="half the width of a long load, m (default 0; counts with --material long)")
     where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed (default by material)")
     where.add_argument("--material", metavar="KIND", help="standard (shortest, default), long (safest) or heavy (least energy)")
     where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
@@ -117,7 +118,7 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     found = read(arguments)
     job, table = (job_of_scene(found), found.plan) if isinstance(found, Scene) else (jobs.Job(world_of(found), (), ()), None)
     world = job.world
-    for name in ("clearance", "corners", "material", "planner", "seed", "refine", "max_curvature"):
+    for name in ("clearance", "half_width", "corners", "material", "planner", "seed", "refine", "max_curvature"):
         given = getattr(arguments, name)
         if given is not None:
             setattr(job, name, given)
@@ -146,7 +147,7 @@ def job_of_scene(scene: Scene) -> jobs.Job:
     if query is not None:
         job.start = () if query.start is None else (*query.start, *([] if query.start_yaw is None else [query.start_yaw]))
         job.goal = () if query.goal is None else (*query.goal, *([] if query.goal_yaw is None else [query.goal_yaw]))
-        job.via, job.clearance, job.material = list(query.via), query.clearance, query.material
+        job.via, job.clearance, job.half_width, job.material = list(query.via), query.clearance, query.half_width, query.material
     if table is not None:
         job.planner, job.refine = table.planner or job.planner, table.refine or job.refine
         job.set, job.seed, job.corners = dict(table.set), table.seed or 0, table.corners

@@ -58,6 +58,7 @@ def _row(arguments: argparse.Namespace, world: _core.World, number: int, row: An
             goal,
             footprint=options.footprint(arguments.footprint) if arguments.footprint else None,
             clearance=arguments.clearance or 0.0,
+            half_width=arguments.half_width or 0.0,
             corners=arguments.corners or "clear",
             material=arguments.material or "standard",
         )

@@ -185,6 +185,7 @@ def _query(table: Table) -> Query:
         goal_yaw=goal_yaw,
         via=table.points("via", 0) if "via" in table else table.raw("via") or (),
         clearance=table.number("clearance", 0.0, 1e6, "m", 0.0),
+        half_width=table.number("half_width", 0.0, 1e6, "m", 0.0),
         arrival=table.number("arrival", 0.0, HUGE, "m", 0.1, above=True),
         material=cast(Material, table.choice("material", MATERIALS, "standard")),
         time_limit=table.optional("time_limit", 0.0, 1e6, "s", above=True),

@@ -186,7 +186,7 @@ class Lidar:
 
 @dataclass(frozen=True)
 class Query:
-    """What is asked: points in m, headings in rad, ``clearance`` and ``arrival`` in m, ``time_limit`` in s (None: the default of the drive)."""
+    """What is asked: points, ``clearance``, ``half_width``, ``arrival`` in m, headings in rad, ``time_limit`` in s (None: the default of the drive)."""
 
     start: Point | None = None
     goal: Point | None = None
@@ -194,6 +194,7 @@ class Query:
     goal_yaw: float | None = None
     via: tuple[Point, ...] = ()
     clearance: float = 0.0
+    half_width: float = 0.0
     arrival: float = 0.1
     material: Material = "standard"
     time_limit: float | None = None

@@ -63,6 +63,18 @@ pub fn collision(path: &Path, query: &Query, step: Option<f64>) -> Collision {
     Collision { ok: !check.bad && !check.lost, min_clearance: check.best, worst: check.worst, step: pace, samples: check.samples }
 }
 
+/// Checks what the query promises beyond its footprint and clearance: for long loads the half-width and the security marking, a disc around the
+/// reference point. `None` where nothing more is promised; distances are those of the reference point. `step` as in [`collision`].
+pub fn marking(path: &Path, query: &Query, step: Option<f64>) -> Option<Collision> {
+    let radius = query.radius();
+    if radius <= query.footprint.circumscribed() + query.clearance {
+        return None;
+    }
+    let load = Query { footprint: Footprint::Disc(radius), clearance: 0.0, ..query.clone() };
+    let found = collision(path, &load, step);
+    Some(Collision { min_clearance: found.min_clearance + radius, ..found })
+}
+
 /// A sample: where, and how far from obstacles (or at least that far).
 struct Sample {
     s: f64,
@@ -101,7 +113,7 @@ impl<'a> Check<'a> {
             (_, corners) => (corners.unwrap_or_default(), 0.0),
         };
         let reach = query.footprint.circumscribed();
-        let point = query.radius() <= 2.0 * TOUCH;
+        let point = reach + query.clearance <= 2.0 * TOUCH;
         let start = path.point(0);
         Self {
             ground: Ground::new(&query.world),

@@ -7,5 +7,5 @@ mod ground;
 pub mod motion;
 
 pub use check::Check;
-pub use collision::{Collision, collision};
+pub use collision::{Collision, collision, marking};
 pub use curvature::curvature;

@@ -38,14 +38,14 @@ pub fn polyline(path: &Path, query: &Query) -> Vec<Point> {
     if path.degree() == 1 {
         return path.points();
     }
-    let tolerance = query.world.resolution() / 50.0;
+    let (tolerance, radius) = (query.world.resolution() / 50.0, query.radius());
     let mut points = vec![path.point(0)];
     for piece in path.beziers() {
         let mut stack = vec![(piece, 0)];
         while let Some((piece, depth)) = stack.pop() {
             let [a, b] = piece.ends();
             let (bulge, fine) = (piece.bulge(), depth >= DEPTH);
-            if fine || (bulge <= tolerance && (query.world.segment_free(a, b, query.radius()) || bulge <= 1e-12 * distance(a, b))) {
+            if fine || (bulge <= tolerance && (query.world.segment_free(a, b, radius) || bulge <= 1e-12 * distance(a, b))) {
                 if distance(points[points.len() - 1], b) > 0.0 {
                     points.push(b);
                 }

@@ -81,7 +81,8 @@ fn on_leg(p: Point, a: Point, b: Point) -> bool {
 
 /// From each kept point, doubling steps to a far visible one, then halving back.
 fn greedy(way: &[Point], query: &Query) -> Vec<Point> {
-    let sees = |i: usize, j: usize| j == i + 1 || query.world.segment_free(way[i], way[j], query.radius());
+    let radius = query.radius();
+    let sees = |i: usize, j: usize| j == i + 1 || query.world.segment_free(way[i], way[j], radius);
     let (mut kept, mut i) = (vec![way[0]], 0);
     while i + 1 < way.len() {
         let (mut good, mut step) = (i + 1, 2);
@@ -106,14 +107,14 @@ fn greedy(way: &[Point], query: &Query) -> Vec<Point> {
 
 /// Shortest sub-sequence whose legs are free; legs of the input count as free. Equal lengths (1e-9) are broken by fewer points.
 fn shortest(way: &[Point], query: &Query) -> Vec<Point> {
-    let n = way.len();
+    let (n, radius) = (way.len(), query.radius());
     let mut best = vec![(f64::INFINITY, usize::MAX, 0); n];
     best[0] = (0.0, 0, 0);
     for j in 1..n {
         for i in 0..j {
             let (length, hops) = (best[i].0 + distance(way[i], way[j]), best[i].1 + 1);
             let better = length < best[j].0 - 1e-9 || (length <= best[j].0 + 1e-9 && hops < best[j].1);
-            if better && (j == i + 1 || query.world.segment_free(way[i], way[j], query.radius())) {
+            if better && (j == i + 1 || query.world.segment_free(way[i], way[j], radius)) {
                 best[j] = (length, hops, i);
             }
         }

@@ -103,12 +103,12 @@ pub(in crate::plan) fn anchor(query: &Query, lattice: &Lattice, p: Point) -> Opt
     let own = lattice.cell_at(p)?;
     let reach = |c: Cell| {
         let center = lattice.center(c);
-        lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, query.radius()))
+        lattice.free().at(c[0], c[1]) && (center == p || query.world.segment_free(p, center, lattice.radius()))
     };
     if reach(own) {
         return Some(own);
     }
-    let rings = (query.radius() / lattice.resolution()).ceil().clamp(2.0, f64::from(lattice.width().max(lattice.height()))) as u32;
+    let rings = (lattice.radius() / lattice.resolution()).ceil().clamp(2.0, f64::from(lattice.width().max(lattice.height()))) as u32;
     let mut best: Option<(f64, Cell)> = None;
     for ring in 1..=rings {
         // Centres of this ring are no nearer than that.

@@ -83,7 +83,7 @@ const STRIDE: f64 = 1.0;
 
 impl<'a> Sight<'a> {
     pub fn new(query: &'a Query, lattice: &'a Lattice) -> Self {
-        let point = query.radius() == 0.0 && query.world.shapes().is_empty();
+        let point = lattice.radius() == 0.0 && query.world.shapes().is_empty();
         let cells = lattice.width() as usize * lattice.height() as usize;
         Self { query, lattice, point, field: query.world.clearance_field(), room: RefCell::new(vec![UNKNOWN; cells]) }
     }
@@ -122,7 +122,7 @@ impl<'a> Sight<'a> {
     /// Room around a cell: what the centre's clearance exceeds the need anywhere in the cell by.
     fn look(&self, cell: Cell) -> u8 {
         let half = std::f64::consts::FRAC_1_SQRT_2 + 1e-6;
-        let spare = (self.field.at(cell) - self.query.radius()) / self.lattice.resolution();
+        let spare = (self.field.at(cell) - self.lattice.radius()) / self.lattice.resolution();
         if spare < -half { SHUT } else { (spare - half).clamp(0.0, 250.0) as u8 + NEAR }
     }
 
@@ -136,7 +136,11 @@ impl<'a> Sight<'a> {
         }
         let (from, to) = (self.lattice.center(a), self.lattice.center(b));
         let at = |t: f64| [0, 1].map(|k| along(from[k], to[k], t));
-        self.query.world.segment_free(if since == 0.0 { from } else { at(since) }, if until == length { to } else { at(until) }, self.query.radius())
+        self.query.world.segment_free(
+            if since == 0.0 { from } else { at(since) },
+            if until == length { to } else { at(until) },
+            self.lattice.radius(),
+        )
     }
 
     /// Free neighbours of a cell.
@@ -302,7 +306,8 @@ pub(super) fn plan(query: &Query, ctx: &mut Context, expand: Expand) -> Result<S
 
 /// Joins the exact ends to the centres and drops the first and last centre where the way past them is free.
 fn with_ends(query: &Query, from: Point, mut centers: Vec<Point>, to: Point) -> Vec<Point> {
-    let see = |a: Point, b: Point| a == b || query.world.segment_free(a, b, query.radius());
+    let radius = query.radius();
+    let see = |a: Point, b: Point| a == b || query.world.segment_free(a, b, radius);
     if centers.len() > 1 && see(from, centers[1]) {
         centers.remove(0);
     }

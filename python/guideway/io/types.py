@@ -186,7 +186,7 @@ class Lidar:
 
 @dataclass(frozen=True)
 class Query:
-    """What is asked: points, ``clearance``, ``half_width``, ``arrival`` in m, headings in rad, ``time_limit`` in s (None: the default of the drive)."""
+    """What is asked: points, ``clearance``, ``half_width``, ``arrival`` in m, headings in rad, ``time_limit`` in s (None: the default)."""
 
     start: Point | None = None
     goal: Point | None = None

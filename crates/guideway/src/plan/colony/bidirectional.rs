@@ -14,7 +14,6 @@
 
 use super::crew::{Crew, March, best_of, better};
 use super::pheromone::Pheromone;
-use super::roads::Roads;
 use super::rule::{Choices, Heuristic, Rule};
 use super::walk::Trail;
 use super::{Found, Seeding, Task, aim, check, picture, plan, polish, seed};
@@ -194,12 +193,8 @@ impl<'a> Run<'a> {
     fn restart(&mut self) {
         let Some(best) = self.best.as_ref().filter(|_| self.method.restart > 0.0) else { return };
         self.choices.renew(self.method.rule(), self.task.goal);
-        let mut exits = Vec::new();
-        let mut entropy = |node: &u32| {
-            self.task.roads.exits(*node, &mut exits);
-            self.choices.entropy(self.task.roads, &self.tau, *node, &exits)
-        };
-        let mean = best.nodes.iter().map(&mut entropy).sum::<f64>() / best.nodes.len() as f64;
+        let entropies = best.nodes.iter().map(|node| self.choices.entropy(self.task.roads, &self.tau, *node));
+        let mean = entropies.sum::<f64>() / best.nodes.len() as f64;
         if mean < self.method.restart {
             self.tau.restart();
             self.restarts += 1;

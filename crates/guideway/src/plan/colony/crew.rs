@@ -108,7 +108,7 @@ impl<'a, R: Roads> Crew<'a, R> {
             if legs.here() == choices.target() {
                 return Some(legs.trail(self.roads, self.cut, self.aim));
             }
-            if !legs.step(self.roads, tau, choices, &|_| false, rng) && !legs.roll_back() {
+            if !legs.step(self.roads, tau, choices, |_| false, rng) && !legs.roll_back() {
                 return None;
             }
         }

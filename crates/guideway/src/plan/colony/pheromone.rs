@@ -1,4 +1,4 @@
-//! The one pheromone store: logarithms on slots, evaporated when they are read.
+//! The one pheromone store: concentrations on slots, evaporated when they are read.
 //!
 //! Evaporation multiplies every trail, so it is a count of rounds here; a slot knows the round of its last change. Only slots that ants marked take
 //! memory. The bounds hold at every reading.
@@ -8,8 +8,8 @@ use super::roads::{Exit, Roads};
 
 /// Concentration on a slot as it was after round `round`.
 #[derive(Debug, Clone, Copy, Default)]
-struct Trail {
-    ln: f64,
+struct Deposit {
+    value: f64,
     round: u32,
     marked: bool,
 }
@@ -19,11 +19,11 @@ pub(in crate::plan) type Initial<'a> = dyn Fn(u32) -> f64 + Sync + 'a;
 
 /// Concentrations on the roads of a graph, the same in both directions.
 pub(in crate::plan) struct Pheromone<'a> {
-    slots: Paged<Trail>,
+    slots: Paged<Deposit>,
     initial: Box<Initial<'a>>,
-    /// ln of what one evaporation leaves.
+    /// What one evaporation leaves.
     keep: f64,
-    /// Logarithms of the least and largest concentration.
+    /// Least and largest concentration.
     bounds: [f64; 2],
     round: u32,
     /// Rounds in which all trails were drawn towards a concentration, and that concentration.
@@ -34,29 +34,43 @@ impl<'a> Pheromone<'a> {
     /// Concentrations from `initial`, kept within `bounds`; an evaporation takes the share `rho`.
     pub fn new(roads: &impl Roads, initial: impl Fn(u32) -> f64 + Sync + 'a, rho: f64, bounds: [f64; 2]) -> Self {
         let slots = Paged::new(roads.slots());
-        Self { slots, initial: Box::new(initial), keep: (1.0 - rho).ln(), bounds: bounds.map(f64::ln), round: 0, smoothed: Vec::new() }
+        Self { slots, initial: Box::new(initial), keep: 1.0 - rho, bounds, round: 0, smoothed: Vec::new() }
+    }
+
+    /// Concentration on an exit.
+    pub fn at(&self, exit: Exit) -> f64 {
+        match self.slots.find(exit.slot as usize) {
+            Some(deposit) if deposit.marked => self.aged(*deposit),
+            _ => self.aged(Deposit { value: (self.initial)(exit.to), ..Deposit::default() }),
+        }
     }
 
     /// ln of the concentration on an exit.
     pub fn ln(&self, exit: Exit) -> f64 {
-        let trail = match self.slots.find(exit.slot as usize) {
-            Some(trail) if trail.marked => *trail,
-            _ => Trail { ln: (self.initial)(exit.to).ln(), ..Trail::default() },
-        };
-        self.aged(trail)
+        self.at(exit).ln()
     }
 
-    fn aged(&self, trail: Trail) -> f64 {
-        let (mut ln, mut round) = (trail.ln, trail.round);
-        for &(when, goal) in self.smoothed.iter().filter(|s| s.0 >= trail.round) {
-            ln = self.within(ln + f64::from(when - round) * self.keep);
-            (ln, round) = (0.5f64.mul_add(goal - ln.exp(), ln.exp()).ln(), when);
+    fn aged(&self, deposit: Deposit) -> f64 {
+        let (mut value, mut round) = (deposit.value, deposit.round);
+        for &(when, goal) in self.smoothed.iter().filter(|s| s.0 >= deposit.round) {
+            value = self.within(value * self.left(when - round));
+            (value, round) = (value + 0.5 * (goal - value), when);
         }
-        self.within(ln + f64::from(self.round - round) * self.keep)
+        self.within(value * self.left(self.round - round))
     }
 
-    fn within(&self, ln: f64) -> f64 {
-        ln.clamp(self.bounds[0], self.bounds[1])
+    /// What some evaporations leave.
+    #[inline]
+    fn left(&self, rounds: u32) -> f64 {
+        match rounds {
+            0 => 1.0,
+            1 => self.keep,
+            n => self.keep.powi(n as i32),
+        }
+    }
+
+    fn within(&self, value: f64) -> f64 {
+        value.clamp(self.bounds[0], self.bounds[1])
     }
 
     /// One evaporation.
@@ -68,28 +82,28 @@ impl<'a> Pheromone<'a> {
     pub fn deposit(&mut self, roads: &impl Roads, from: u32, exit: Exit, amount: f64) {
         let back = Exit { to: from, slot: roads.back(from, exit), ..exit };
         for exit in [exit, back] {
-            let ln = self.within((self.ln(exit).exp() + amount).ln());
-            self.set(exit.slot, ln);
+            let value = self.within(self.at(exit) + amount);
+            self.set(exit.slot, value);
         }
     }
 
     /// Sets the concentration of a road, in both directions.
     pub fn assign(&mut self, roads: &impl Roads, from: u32, exit: Exit, value: f64) {
-        let ln = self.within(value.ln());
-        self.set(exit.slot, ln);
-        self.set(roads.back(from, exit), ln);
+        let value = self.within(value);
+        self.set(exit.slot, value);
+        self.set(roads.back(from, exit), value);
     }
 
-    fn set(&mut self, slot: u32, ln: f64) {
+    fn set(&mut self, slot: u32, value: f64) {
         let round = self.round;
-        if let Some(trail) = self.slots.at_mut(slot as usize) {
-            *trail = Trail { ln, round, marked: true };
+        if let Some(deposit) = self.slots.at_mut(slot as usize) {
+            *deposit = Deposit { value, round, marked: true };
         }
     }
 
     /// Changes the least and largest concentration.
     pub fn bound(&mut self, bounds: [f64; 2]) {
-        self.bounds = bounds.map(f64::ln);
+        self.bounds = bounds;
     }
 
     /// Draws every concentration half the way to `goal`.
@@ -106,7 +120,7 @@ impl<'a> Pheromone<'a> {
 
     /// Slots that were ever marked and their concentrations, in order of slots: for pictures and memories.
     pub fn marked(&self) -> Vec<(u32, f64)> {
-        self.slots.entries().filter(|(_, trail)| trail.marked).map(|(slot, trail)| (slot as u32, self.aged(*trail).exp())).collect()
+        self.slots.entries().filter(|(_, deposit)| deposit.marked).map(|(slot, deposit)| (slot as u32, self.aged(*deposit))).collect()
     }
 }
 
@@ -138,9 +152,9 @@ mod tests {
                 plain = plain.iter().map(|t| t + 0.5 * (3.0 - t)).collect();
             }
             for (exit, expected) in exits.iter().zip(&plain) {
-                assert!((tau.ln(*exit).exp() - expected).abs() < 1e-12 * expected, "round {round}");
+                assert!((tau.at(*exit) - expected).abs() < 1e-12 * expected, "round {round}");
                 let back = Exit { to: 5, slot: roads.back(5, *exit), ..*exit };
-                assert!((tau.ln(back) - tau.ln(*exit)).abs() < 1e-12, "the same in both directions");
+                assert!((tau.at(back) - tau.at(*exit)).abs() < 1e-12, "the same in both directions");
             }
         }
     }

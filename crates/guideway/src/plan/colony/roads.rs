@@ -26,8 +26,13 @@ pub(in crate::plan) trait Roads: Sync {
     fn nodes(&self) -> usize;
     /// Slots are numbered from 0 to this.
     fn slots(&self) -> usize;
-    /// Puts the exits of a node into `out`, always in the same order; their slots follow one another.
-    fn exits(&self, node: u32, out: &mut Vec<Exit>);
+    /// Shows the exits of a node, always in the same order.
+    fn visit(&self, node: u32, see: impl FnMut(Exit));
+    /// Puts the exits of a node into `out`, in the order of [`Roads::visit`].
+    fn exits(&self, node: u32, out: &mut Vec<Exit>) {
+        out.clear();
+        self.visit(node, |exit| out.push(exit));
+    }
     /// The slot of the same road in the other direction: back to `from` out of `exit.to`.
     fn back(&self, from: u32, exit: Exit) -> u32;
     /// Straight distance between two nodes, cells.
@@ -39,10 +44,15 @@ pub(in crate::plan) trait Roads: Sync {
 /// The eight directions; direction `7 - k` is opposite to direction `k`.
 const WAYS: [(i64, i64); 8] = [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)];
 
+/// Length of a step in each direction, cells.
+const LENGTH: [f64; 8] = [SQRT_2, 1.0, SQRT_2, 1.0, 1.0, SQRT_2, 1.0, SQRT_2];
+
 /// The 8-connected lattice under a corner rule. Slot `8 node + k` leaves in direction `k`.
 pub(in crate::plan) struct Streets<'a> {
     pub lattice: &'a Lattice,
     corners: Corners,
+    /// What a direction adds to a node's number.
+    offset: [i32; 8],
     /// Open directions of a cell, found at the first visit; 0: not looked at.
     open: Vec<AtomicU8>,
 }
@@ -52,7 +62,8 @@ impl<'a> Streets<'a> {
         let cells = lattice.width() as usize * lattice.height() as usize;
         let mut open = Vec::new();
         open.resize_with(cells, AtomicU8::default);
-        Self { lattice, corners, open }
+        let offset = WAYS.map(|(dx, dy)| (dx + dy * i64::from(lattice.width())) as i32);
+        Self { lattice, corners, offset, open }
     }
     pub fn node(&self, [x, y]: Cell) -> u32 {
         y * self.lattice.width() + x
@@ -63,18 +74,16 @@ impl<'a> Streets<'a> {
     pub fn cells(&self, nodes: &[u32]) -> Vec<Cell> {
         nodes.iter().map(|&n| self.cell(n)).collect()
     }
+    #[inline]
     fn ways(&self, node: u32) -> u8 {
         let known = self.open[node as usize].load(Ordering::Relaxed);
-        if known != 0 {
-            return known;
-        }
+        if known == 0 { self.look(node) } else { known }
+    }
+    fn look(&self, node: u32) -> u8 {
         let cell = self.cell(node);
         let mask = WAYS.iter().enumerate().fold(0, |mask, (k, &(dx, dy))| mask | u8::from(self.lattice.step_free(cell, dx, dy, self.corners)) << k);
         self.open[node as usize].store(mask, Ordering::Relaxed);
         mask
-    }
-    fn neighbour(&self, node: u32, k: usize) -> u32 {
-        (i64::from(node) + WAYS[k].0 + WAYS[k].1 * i64::from(self.lattice.width())) as u32
     }
 }
 
@@ -85,14 +94,13 @@ impl Roads for Streets<'_> {
     fn slots(&self) -> usize {
         8 * self.open.len()
     }
-    fn exits(&self, node: u32, out: &mut Vec<Exit>) {
-        out.clear();
+    #[inline]
+    fn visit(&self, node: u32, mut see: impl FnMut(Exit)) {
         let mut mask = self.ways(node);
         while mask != 0 {
-            let k = mask.trailing_zeros() as usize;
+            let k = mask.trailing_zeros();
             mask &= mask - 1;
-            let length = if WAYS[k].0 == 0 || WAYS[k].1 == 0 { 1.0 } else { SQRT_2 };
-            out.push(Exit { to: self.neighbour(node, k), slot: 8 * node + k as u32, length, heading: k as u8 });
+            see(Exit { to: node.wrapping_add_signed(self.offset[k as usize]), slot: 8 * node + k, length: LENGTH[k as usize], heading: k as u8 });
         }
     }
     fn back(&self, _: u32, exit: Exit) -> u32 {

@@ -5,6 +5,7 @@ use super::pheromone::Pheromone;
 use super::roads::{Exit, Roads};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Visibility of a neighbour j of i, with g where the ant is heading.
@@ -36,20 +37,45 @@ pub(in crate::plan) struct Rule {
 /// Below this sum the weights of the open exits are too small to draw from: they are computed again among themselves.
 const TINY: f32 = 1e-30;
 
+/// Exits whose weights lie beside each other; most nodes have no more.
+const FEW: usize = 8;
+
+/// The weights of a node's exits: bits of `f32`, the largest being 1.
+#[derive(Default)]
+struct Desk {
+    /// Round in which they were computed.
+    round: AtomicU32,
+    few: [AtomicU32; FEW],
+    many: OnceLock<Box<[AtomicU32]>>,
+}
+
+impl Desk {
+    fn weights(&self, count: usize) -> &[AtomicU32] {
+        if count <= FEW { &self.few } else { self.many.get_or_init(|| std::iter::repeat_with(AtomicU32::default).take(count).collect()) }
+    }
+}
+
+/// An exit that an ant may take.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::plan) struct Open {
+    pub exit: Exit,
+    /// Its place among all exits of the node.
+    pub place: usize,
+    /// Room for its weight.
+    pub weight: f32,
+}
+
 /// Weights of exits under a rule, for one target, until the pheromone changes.
 pub(in crate::plan) struct Choices {
     rule: Rule,
     target: u32,
     round: u32,
-    /// Round in which the weights of a node were computed.
-    rounds: Paged<AtomicU32>,
-    /// Bits of a weight as `f32`, the largest of a node being 1.
-    weights: Paged<AtomicU32>,
+    desks: Paged<Desk>,
 }
 
 impl Choices {
     pub fn new(roads: &impl Roads, rule: Rule, target: u32) -> Self {
-        Self { rule, target, round: 1, rounds: Paged::new(roads.nodes()), weights: Paged::new(roads.slots()) }
+        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()) }
     }
 
     /// Forgets all weights: the pheromone, the rule or the target have changed.
@@ -74,31 +100,33 @@ impl Choices {
         self.rule.alpha.mul_add(tau.ln(exit), -self.rule.beta * distance.ln())
     }
 
-    /// Weights of a node's exits, computed if they are not there.
-    fn fill(&self, roads: &impl Roads, tau: &Pheromone, node: u32, exits: &[Exit]) {
-        let known = self.rounds.at(node as usize);
-        if known.load(Ordering::Acquire) == self.round {
-            return;
+    /// Weights of all `count` exits of a node, computed if they are not there.
+    fn weights(&self, roads: &impl Roads, tau: &Pheromone, node: u32, count: usize) -> &[AtomicU32] {
+        let desk = self.desks.at(node as usize);
+        let weights = desk.weights(count);
+        if desk.round.load(Ordering::Acquire) != self.round {
+            // Two threads may both come here; they store the same values.
+            let mut logs = Vec::with_capacity(count);
+            roads.visit(node, |exit| logs.push(self.ln(roads, tau, exit)));
+            let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            for (weight, ln) in weights.iter().zip(logs) {
+                weight.store(((ln - most).exp() as f32).to_bits(), Ordering::Relaxed);
+            }
+            desk.round.store(self.round, Ordering::Release);
         }
-        // Two threads may both come here; they store the same values.
-        let most = exits.iter().map(|e| self.ln(roads, tau, *e)).fold(f64::NEG_INFINITY, f64::max);
-        for exit in exits {
-            let weight = (self.ln(roads, tau, *exit) - most).exp() as f32;
-            self.weights.at(exit.slot as usize).store(weight.to_bits(), Ordering::Relaxed);
-        }
-        known.store(self.round, Ordering::Release);
+        weights
     }
 
-    /// Chooses among the exits of `node` that are `open`; the index of one of them. Keeps the heading `ahead` among equals.
-    pub fn choose(&self, roads: &impl Roads, tau: &Pheromone, ask: &mut Ask, rng: &mut impl Rng) -> usize {
+    /// Chooses among the exits of a node that are open. Keeps the heading `ahead` among equals.
+    pub fn choose(&self, roads: &impl Roads, tau: &Pheromone, ask: &mut Ask, rng: &mut impl Rng) -> Exit {
         if self.rule.uniform > 0.0 && rng.random_bool(self.rule.uniform) {
-            return ask.open[rng.random_range(0..ask.open.len())].0;
+            return ask.open[rng.random_range(0..ask.open.len())].exit;
         }
-        self.fill(roads, tau, ask.node, ask.exits);
+        let weights = self.weights(roads, tau, ask.node, ask.count);
         let mut sum = 0.0;
-        for (k, weight) in ask.open.iter_mut() {
-            *weight = f32::from_bits(self.weights.at(ask.exits[*k].slot as usize).load(Ordering::Relaxed));
-            sum += *weight;
+        for open in ask.open.iter_mut() {
+            open.weight = f32::from_bits(weights[open.place].load(Ordering::Relaxed));
+            sum += open.weight;
         }
         if sum < TINY {
             sum = self.among(roads, tau, ask);
@@ -106,52 +134,52 @@ impl Choices {
         let drawn =
             if self.rule.greedy > 0.0 && rng.random_bool(self.rule.greedy) { best(ask.open) } else { spin(ask.open, rng.random::<f32>() * sum) };
         // Of equal choices, straight on (equal lengths are broken by turns).
-        let straight =
-            ask.open.iter().find(|(k, weight)| ask.exits[*k].heading == ask.ahead && *weight >= drawn.1 && *weight <= drawn.1 * (1.0 + 1e-6));
-        straight.map_or(drawn.0, |s| s.0)
+        let ahead = ask.open.iter().find(|open| open.exit.heading == ask.ahead);
+        ahead.filter(|open| (open.weight - drawn.weight).abs() <= 1e-6 * drawn.weight).unwrap_or(drawn).exit
     }
 
     fn among(&self, roads: &impl Roads, tau: &Pheromone, ask: &mut Ask) -> f32 {
-        let most = ask.open.iter().map(|(k, _)| self.ln(roads, tau, ask.exits[*k])).fold(f64::NEG_INFINITY, f64::max);
+        let most = ask.open.iter().map(|open| self.ln(roads, tau, open.exit)).fold(f64::NEG_INFINITY, f64::max);
         let mut sum = 0.0;
-        for (k, weight) in ask.open.iter_mut() {
-            *weight = (self.ln(roads, tau, ask.exits[*k]) - most).exp() as f32;
-            sum += *weight;
+        for open in ask.open.iter_mut() {
+            open.weight = (self.ln(roads, tau, open.exit) - most).exp() as f32;
+            sum += open.weight;
         }
         sum
     }
 
     /// Entropy of the choice at a node, 0 (decided) to 1 (all alike).
-    pub fn entropy(&self, roads: &impl Roads, tau: &Pheromone, node: u32, exits: &[Exit]) -> f64 {
-        if exits.len() < 2 {
+    pub fn entropy(&self, roads: &impl Roads, tau: &Pheromone, node: u32) -> f64 {
+        let mut count = 0;
+        roads.visit(node, |_| count += 1);
+        if count < 2 {
             return 0.0;
         }
-        self.fill(roads, tau, node, exits);
-        let weights = exits.iter().map(|e| f64::from(f32::from_bits(self.weights.at(e.slot as usize).load(Ordering::Relaxed))));
+        let weights = self.weights(roads, tau, node, count)[..count].iter().map(|w| f64::from(f32::from_bits(w.load(Ordering::Relaxed))));
         let sum: f64 = weights.clone().sum();
-        weights.map(|w| w / sum).filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum::<f64>() / (exits.len() as f64).ln()
+        weights.map(|w| w / sum).filter(|p| *p > 0.0).map(|p| -p * p.ln()).sum::<f64>() / (count as f64).ln()
     }
 }
 
 /// One choice to make.
 pub(in crate::plan) struct Ask<'a> {
     pub node: u32,
-    pub exits: &'a [Exit],
-    /// Exits that may be taken: index into `exits`, and room for a weight.
-    pub open: &'a mut [(usize, f32)],
+    /// Exits of the node, open or not.
+    pub count: usize,
+    pub open: &'a mut [Open],
     /// Heading of the last step.
     pub ahead: u8,
 }
 
-fn best(open: &[(usize, f32)]) -> (usize, f32) {
-    open.iter().copied().fold((0, f32::NEG_INFINITY), |best, next| if next.1 > best.1 { next } else { best })
+fn best(open: &[Open]) -> &Open {
+    open.iter().reduce(|best, next| if next.weight > best.weight { next } else { best }).unwrap_or(&open[0])
 }
 
-fn spin(open: &[(usize, f32)], mut left: f32) -> (usize, f32) {
-    for &(k, weight) in open {
-        left -= weight;
+fn spin(open: &[Open], mut left: f32) -> &Open {
+    for next in open {
+        left -= next.weight;
         if left < 0.0 {
-            return (k, weight);
+            return next;
         }
     }
     best(open)

@@ -2,7 +2,7 @@
 
 use super::pheromone::Pheromone;
 use super::roads::{ANY, Exit, Roads};
-use super::rule::{Ask, Choices};
+use super::rule::{Ask, Choices, Open};
 use crate::plan::score::{Aim, Score};
 use rand::Rng;
 
@@ -67,13 +67,12 @@ pub(in crate::plan) struct Legs {
     ant: u32,
     nodes: Vec<u32>,
     taken: Vec<Exit>,
-    exits: Vec<Exit>,
-    open: Vec<(usize, f32)>,
+    open: Vec<Open>,
 }
 
 impl Legs {
     pub fn new(roads: &impl Roads) -> Self {
-        Self { marks: vec![[0; 2]; roads.nodes()], ant: 0, nodes: Vec::new(), taken: Vec::new(), exits: Vec::new(), open: Vec::new() }
+        Self { marks: vec![[0; 2]; roads.nodes()], ant: 0, nodes: Vec::new(), taken: Vec::new(), open: Vec::new() }
     }
 
     /// A new ant at a node.
@@ -94,28 +93,30 @@ impl Legs {
         self.nodes[self.nodes.len() - 1]
     }
 
-    /// Exits that the ant may take: to nodes where it was not, and that `shut` does not close. `open` then holds their indices.
-    fn look(&mut self, roads: &impl Roads, shut: &dyn Fn(u32) -> bool) -> bool {
-        let here = self.here();
-        roads.exits(here, &mut self.exits);
-        self.open.clear();
-        for (k, exit) in self.exits.iter().enumerate() {
-            if self.marks[exit.to as usize][0] != self.ant && !shut(exit.to) {
-                self.open.push((k, 0.0));
+    /// Finds the exits that the ant may take: to nodes where it was not, and that `shut` does not close. Returns the number of all.
+    fn look(&mut self, roads: &impl Roads, shut: impl Fn(u32) -> bool) -> usize {
+        let (mut count, ant, marks, open) = (0, self.ant, &self.marks, &mut self.open);
+        open.clear();
+        roads.visit(self.nodes[self.nodes.len() - 1], |exit| {
+            if marks[exit.to as usize][0] != ant && !shut(exit.to) {
+                open.push(Open { exit, place: count, weight: 0.0 });
             }
-        }
-        !self.open.is_empty()
+            count += 1;
+        });
+        count
     }
 
-    /// One step by the rule; false in a dead end.
-    pub fn step(&mut self, roads: &impl Roads, tau: &Pheromone, choices: &Choices, shut: &dyn Fn(u32) -> bool, rng: &mut impl Rng) -> bool {
-        if !self.look(roads, shut) {
-            return false;
-        }
-        let ahead = self.taken.last().map_or(ANY - 1, |e| e.heading);
-        let mut ask = Ask { node: self.here(), exits: &self.exits, open: &mut self.open, ahead };
-        let k = choices.choose(roads, tau, &mut ask, rng);
-        let exit = self.exits[k];
+    /// One step by the rule; false in a dead end. `shut` closes nodes.
+    pub fn step(&mut self, roads: &impl Roads, tau: &Pheromone, choices: &Choices, shut: impl Fn(u32) -> bool, rng: &mut impl Rng) -> bool {
+        let count = self.look(roads, shut);
+        let exit = match self.open[..] {
+            [] => return false,
+            [only] => only.exit,
+            _ => {
+                let ahead = self.taken.last().map_or(ANY - 1, |e| e.heading);
+                choices.choose(roads, tau, &mut Ask { node: self.here(), count, open: &mut self.open, ahead }, rng)
+            }
+        };
         self.marks[exit.to as usize] = [self.ant, 0];
         self.taken.push(exit);
         self.nodes.push(exit.to);
@@ -137,14 +138,13 @@ impl Legs {
         }
         let (mut kept, mut at) = (0, 0);
         while at + 1 < self.nodes.len() {
-            roads.exits(self.nodes[at], &mut self.exits);
             let (mut next, mut taken) = (at + 1, self.taken[at]);
-            for exit in &self.exits {
+            roads.visit(self.nodes[at], |exit| {
                 let [ant, place] = self.marks[exit.to as usize];
                 if ant == self.ant && place != OFF && place as usize > next {
-                    (next, taken) = (place as usize, *exit);
+                    (next, taken) = (place as usize, exit);
                 }
-            }
+            });
             kept += 1;
             (self.nodes[kept], self.taken[kept - 1]) = (self.nodes[next], taken);
             at = next;

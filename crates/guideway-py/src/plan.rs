@@ -99,10 +99,11 @@ impl Solution {
 /// Plans a path for the query.
 ///
 /// `set` holds the planner's parameters; `budget` has `iterations`, `evaluations`, `seconds`; `observe` is called with a dictionary
-/// (iteration, evaluations, best, share, seconds) every few milliseconds and returns true to stop. Ctrl-C raises `KeyboardInterrupt` whose
+/// (iteration, evaluations, best, share, seconds) every few milliseconds and returns true to stop. `previous` is a solution of the same planner whose
+/// memory is used where the world or the start has changed since (the colonies repair their way with the pheromone they kept). Ctrl-C raises `KeyboardInterrupt` whose
 /// attribute `solution` holds what was found so far, or None.
 #[pyfunction]
-#[pyo3(signature = (query, planner="visibility", *, seed=0, budget=None, set=None, observe=None, threads=1))]
+#[pyo3(signature = (query, planner="visibility", *, seed=0, budget=None, set=None, observe=None, threads=1, previous=None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn plan(
     py: Python<'_>,
@@ -113,12 +114,17 @@ pub fn plan(
     set: Option<&Bound<'_, PyDict>>,
     observe: Option<&Bound<'_, PyAny>>,
     threads: usize,
+    previous: Option<Py<Solution>>,
 ) -> PyResult<Solution> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let method = core::planner(planner, parameters).or_py(py)?;
     let budget: Budget = budget.map_or(Ok(Budget::default()), |b| from_python("budget", b))?;
     let inner = &query.get().inner;
-    let (result, raised) = watched(py, seed, budget, threads, observe, |ctx| method.plan(inner, ctx))?;
+    let previous = previous.as_ref().map(|solution| &solution.get().inner);
+    let (result, raised) = watched(py, seed, budget, threads, observe, |ctx| match previous {
+        Some(previous) => method.replan(previous, inner, ctx),
+        None => method.plan(inner, ctx),
+    })?;
     let wrap = |inner| Solution { inner, query, planner: planner.to_owned(), seed };
     if let Some(error) = raised {
         if error.is_instance_of::<PyKeyboardInterrupt>(py) {

@@ -14,7 +14,7 @@
 use super::crew::{Crew, March, best_of, better};
 use super::pheromone::Pheromone;
 use super::rule::{Choices, Heuristic, Rule};
-use super::{Found, Task, aim, picture, plan};
+use super::{Found, Task, aim, plan};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::plan::{Planner, Preset, Solution};
@@ -106,7 +106,7 @@ impl Aco {
             }
             Stop::Converged
         };
-        Found { best, stop, trace: picture(roads, &tau) }
+        Found::new(task, best, stop, &tau)
     }
 }
 

@@ -16,7 +16,7 @@ use super::crew::{Crew, March, best_of, better};
 use super::pheromone::Pheromone;
 use super::rule::{Choices, Heuristic, Rule};
 use super::walk::Trail;
-use super::{Found, Seeding, Task, aim, check, picture, plan, polish, seed};
+use super::{Found, Seeding, Task, aim, check, memory, plan, polish, seed};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::plan::{Planner, Preset, Solution};
@@ -106,9 +106,12 @@ impl BidirectionalAco {
         Ok(())
     }
 
-    /// Runs the colony, beginning with a trail that it may have.
-    pub(super) fn colony(&self, task: &Task, begin: Option<Trail>, ctx: &mut Context) -> Found {
+    /// Runs the colony, beginning with a trail that it may have, and with what it remembers.
+    pub(super) fn colony(&self, task: &Task, begin: Option<Trail>, known: Option<&memory::Leg>, ctx: &mut Context) -> Found {
         let mut run = Run::new(self, task, begin, ctx);
+        if let Some(known) = known {
+            known.spread(task, &mut run.tau, self.least);
+        }
         let mut stop = Stop::Converged;
         let first = ctx.iterations();
         let rounds = ctx.budget().iterations.map_or(self.iterations, |n| n.saturating_sub(first)).max(1);
@@ -128,9 +131,9 @@ impl BidirectionalAco {
             }
             run.restart();
         }
-        let mut trace = picture(task.roads, &run.tau);
-        trace["restarts"] = json!(run.restarts);
-        Found { best: run.best, stop, trace }
+        let mut found = Found::new(task, run.best, stop, &run.tau);
+        found.trace["restarts"] = json!(run.restarts);
+        found
     }
 }
 
@@ -213,7 +216,17 @@ impl Planner for BidirectionalAco {
         self.validate()?;
         plan(aim(self.preset, query), query, ctx, |task, ctx| {
             let begin = seed::trail(task, self.seeding, ctx)?;
-            Ok(self.colony(task, begin, ctx))
+            Ok(self.colony(task, begin, None, ctx))
+        })
+    }
+
+    fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        self.validate()?;
+        let (ants, iterations) = memory::REPAIR;
+        let quick = Self { ants, iterations, ..*self };
+        plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
+            Some(known) => Ok(quick.colony(task, known.repaired(task), Some(known), ctx)),
+            None => Ok(self.colony(task, seed::trail(task, self.seeding, ctx)?, None, ctx)),
         })
     }
 }

@@ -17,7 +17,7 @@ use super::pheromone::Pheromone;
 use super::roads::Roads;
 use super::rule::{Choices, Heuristic, Rule};
 use super::walk::Trail;
-use super::{Found, Task, aim, check, picture, plan};
+use super::{Found, Task, aim, check, plan};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::plan::{Planner, Preset, Solution};
@@ -138,7 +138,7 @@ impl Mmas {
             }
             Stop::Converged
         };
-        Found { best, stop, trace: picture(roads, &tau) }
+        Found::new(task, best, stop, &tau)
     }
 }
 

@@ -7,6 +7,7 @@ mod aco;
 mod bidirectional;
 mod check;
 mod crew;
+mod memory;
 mod mmas;
 mod paged;
 mod pheromone;
@@ -51,6 +52,14 @@ pub(super) struct Found {
     pub stop: Stop,
     /// For pictures.
     pub trace: Value,
+    /// For replanning.
+    pub memory: memory::Leg,
+}
+
+impl Found {
+    pub fn new(task: &Task, best: Option<Trail>, stop: Stop, tau: &Pheromone) -> Self {
+        Self { trace: picture(task.roads, tau), memory: memory::Leg::new(task, tau, best.as_ref()), best, stop }
+    }
 }
 
 impl Task<'_> {
@@ -58,6 +67,11 @@ impl Task<'_> {
     pub fn steps(&self) -> usize {
         let side = self.leg.lattice.width().max(self.leg.lattice.height()) as usize;
         6 * side * side
+    }
+
+    /// Columns and rows of the lattice.
+    pub fn size(&self) -> [u32; 2] {
+        [self.leg.lattice.width(), self.leg.lattice.height()]
     }
 
     /// Length of the whole way so far if this leg is worth `best`, m.
@@ -78,7 +92,7 @@ fn plan(
     ctx: &mut Context,
     mut colony: impl FnMut(&Task, &mut Context) -> Result<Found, PlanError>,
 ) -> Result<Solution, PlanError> {
-    let (mut stop, mut traces) = (Stop::Converged, Vec::new());
+    let (mut stop, mut traces, mut memory) = (Stop::Converged, Vec::new(), memory::Memory::default());
     let route = legs::plan(query, ctx, |leg, ctx| {
         // Ants would walk for ever in a closed room. The path of this search is not looked at.
         search::search(Engine::JumpPoint, leg, ctx)?;
@@ -89,6 +103,7 @@ fn plan(
             stop = found.stop;
         }
         traces.push(found.trace);
+        memory.push(found.memory);
         match found.best {
             Some(trail) => Ok(roads.cells(&trail.nodes)),
             None if found.stop == Stop::Cancelled => Err(PlanError::Cancelled),
@@ -107,7 +122,7 @@ fn plan(
         seconds: ctx.seconds(),
         history,
         trace: json!({ "legs": traces }),
-        memory: None,
+        memory: memory.into_solution(),
     })
 }
 

@@ -94,6 +94,12 @@ impl<'a> Pheromone<'a> {
         self.set(roads.back(from, exit), value);
     }
 
+    /// Sets the concentration on one slot.
+    pub fn lay(&mut self, slot: u32, value: f64) {
+        let value = self.within(value);
+        self.set(slot, value);
+    }
+
     fn set(&mut self, slot: u32, value: f64) {
         let round = self.round;
         if let Some(deposit) = self.slots.at_mut(slot as usize) {

@@ -1,7 +1,8 @@
 """Replanning from Python: the colonies repair their way with the pheromone they kept."""
 
-import guideway as gw
 import numpy as np
+
+import guideway as gw
 
 
 def query(blocked, start, goal):

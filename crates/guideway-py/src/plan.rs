@@ -114,13 +114,13 @@ pub fn plan(
     set: Option<&Bound<'_, PyDict>>,
     observe: Option<&Bound<'_, PyAny>>,
     threads: usize,
-    previous: Option<Py<Solution>>,
+    previous: Option<&Bound<'_, Solution>>,
 ) -> PyResult<Solution> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let method = core::planner(planner, parameters).or_py(py)?;
     let budget: Budget = budget.map_or(Ok(Budget::default()), |b| from_python("budget", b))?;
     let inner = &query.get().inner;
-    let previous = previous.as_ref().map(|solution| &solution.get().inner);
+    let previous = previous.map(|solution| &solution.get().inner);
     let (result, raised) = watched(py, seed, budget, threads, observe, |ctx| match previous {
         Some(previous) => method.replan(previous, inner, ctx),
         None => method.plan(inner, ctx),

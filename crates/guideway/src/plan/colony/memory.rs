@@ -38,8 +38,8 @@ impl Memory {
         self.legs.push(leg);
     }
 
-    pub fn into_solution(self) -> Option<Arc<dyn std::any::Any + Send + Sync>> {
-        Some(Arc::new(self))
+    pub fn into_solution(self) -> Arc<dyn std::any::Any + Send + Sync> {
+        Arc::new(self)
     }
 
     /// What a solution remembers of the leg to this task's goal.

@@ -122,7 +122,7 @@ fn plan(
         seconds: ctx.seconds(),
         history,
         trace: json!({ "legs": traces }),
-        memory: memory.into_solution(),
+        memory: Some(memory.into_solution()),
     })
 }
 

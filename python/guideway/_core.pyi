@@ -244,3 +244,11 @@ def drive(
     observe: _Observer | None = None,
 ) -> dict[str, Any]: ...
 def distance_transform(blocked: ArrayLike) -> _Floats: ...
+def lattice_optimum(
+    world: World,
+    start_cell: Sequence[int],
+    goal_cell: Sequence[int],
+    corners: str = "touch",
+    radius: float = 0.0,
+    aim: str = "length",
+) -> dict[str, Any] | None: ...

@@ -3,6 +3,7 @@
 mod certify;
 mod convert;
 mod errors;
+mod exact;
 mod motion;
 mod path;
 mod plan;
@@ -21,6 +22,8 @@ mod _core {
 
     #[pymodule_export]
     use crate::certify::{certify, reference};
+    #[pymodule_export]
+    use crate::exact::lattice_optimum;
     #[pymodule_export]
     use crate::motion::{Trajectory, ceiling, controllers, drive, time};
     #[pymodule_export]

@@ -15,6 +15,14 @@ pub const REGISTRY: &[Entry] = &[
         "Exact shortest lattice path by bit-parallel jump point search; the fastest",
         []
     ),
+    entry!(
+        "lexicographic",
+        search::Lexicographic,
+        true,
+        "hart1968",
+        "Exact shortest lattice path with the fewest turns; least energy for heavy loads",
+        []
+    ),
     entry!("theta-star", search::ThetaStar, false, "daniel2010", "Any-angle path over the lattice, near the optimum", []),
     entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Theta* that looks along a line only when it expands its end", []),
     entry!(

@@ -87,14 +87,22 @@ pub(in crate::plan) fn search(engine: Engine, leg: &Leg, ctx: &mut Context) -> R
     let mut ask = Ask { lattice: leg.lattice, start: leg.start, goal: leg.goal, corners: query.corners, stop: &mut stop };
     match run(engine, &mut ask, &mut found) {
         End::Found(steps) => Ok((found, steps.expansions)),
-        End::Exhausted => {
-            let own = in_own_cells(leg.lattice, [(leg.ends[0], leg.start), (leg.ends[1], leg.goal)]);
-            Err(no_lattice_path(query, own, ctx))
-        }
+        End::Exhausted => Err(no_way(leg, ctx)),
         End::Stopped if stopped == Some(Stop::Cancelled) => Err(PlanError::Cancelled),
-        End::Stopped => Err(no_path(query, false, Some("the budget of time was spent".into()))),
+        End::Stopped => Err(out_of_time(query)),
         End::Overflow => Err(no_path(query, false, Some("the path is too long for exact costs".into()))),
     }
+}
+
+/// A leg that has no path on the lattice, explained.
+pub(super) fn no_way(leg: &Leg, ctx: &mut Context) -> PlanError {
+    let own = in_own_cells(leg.lattice, [(leg.ends[0], leg.start), (leg.ends[1], leg.goal)]);
+    no_lattice_path(leg.query, own, ctx)
+}
+
+/// A search that ended with its budget of time.
+pub(super) fn out_of_time(query: &Query) -> PlanError {
+    no_path(query, false, Some("the budget of time was spent".into()))
 }
 
 /// The free cell that a search begins or ends at: the own cell of `p`, or the one with the nearest centre that can be reached from it in a straight

@@ -164,6 +164,13 @@ impl<C: Cost> Open<C> {
         None
     }
 
+    /// The node at a place and its number, if the search came there.
+    #[inline]
+    pub fn find(&self, place: u32) -> Option<(u32, &Node<C>)> {
+        let id = self.slot[place as usize];
+        self.nodes.get(id as usize).filter(|node| node.place == place).map(|node| (id, node))
+    }
+
     /// Places from the root to node `id`.
     pub fn trail(&self, mut id: u32) -> Vec<u32> {
         let mut places = vec![self.nodes[id as usize].place];

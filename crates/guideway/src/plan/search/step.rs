@@ -63,6 +63,13 @@ fn tight(lattice: &Lattice, cell: Cell) -> u8 {
     forbid(1, 1, 1) | forbid(3, 0, 1) | forbid(5, 0, 0) | forbid(7, 1, 0)
 }
 
+/// Directions in which the robot may step from a free cell. Steps can be undone: the way back is allowed too.
+#[inline]
+pub(super) fn ways(lattice: &Lattice, corners: Corners, cell: Cell) -> u8 {
+    let rows = lattice.rows();
+    allowed(corners, neighbours(rows, rows.at(cell[0], cell[1]))) & !tight(lattice, cell)
+}
+
 /// Searches with the octile heuristic (`INFORMED`: A*) or none (Dijkstra). Leaves the path's cells in `out`.
 pub(super) fn search<C: Cost, const INFORMED: bool>(ask: &mut Ask, out: &mut Vec<Cell>) -> End {
     let lattice = ask.lattice;
@@ -73,7 +80,7 @@ pub(super) fn search<C: Cost, const INFORMED: bool>(ask: &mut Ask, out: &mut Vec
 }
 
 fn run<C: Cost, const INFORMED: bool>(ask: &mut Ask, open: &mut Open<C>, out: &mut Vec<Cell>) -> End {
-    let (lattice, rows, width) = (ask.lattice, ask.lattice.rows(), ask.lattice.width());
+    let (lattice, width) = (ask.lattice, ask.lattice.width());
     let place = |c: Cell| c[1] * width + c[0];
     let [gx, gy] = ask.goal;
     let goal = place(ask.goal);
@@ -90,8 +97,7 @@ fn run<C: Cost, const INFORMED: bool>(ask: &mut Ask, open: &mut Open<C>, out: &m
             return End::Stopped;
         }
         let cell = [node.place % width, node.place / width];
-        let at = rows.at(cell[0], cell[1]);
-        let mut ways = allowed(ask.corners, neighbours(rows, at)) & !tight(lattice, cell);
+        let mut ways = ways(lattice, ask.corners, cell);
         while ways != 0 {
             let k = ways.trailing_zeros() as usize;
             ways &= ways - 1;

@@ -41,15 +41,25 @@ def declare(parser: argparse.ArgumentParser) -> None:
     view.add_argument("map", metavar="MAP", help=_MAP)
     view.add_argument("--out", metavar="FILE.png", required=True, help="the picture to write")
     make = actions.add_parser("make", help="a new random map, the same for the same seed on every machine")
-    make.add_argument("kind", nargs="?", metavar="KIND", help="what to make; --list names the kinds")
-    make.add_argument("target", nargs="?", metavar="DST", help="*.yaml, *.map, *.txt, or *.toml with start and goal")
-    make.add_argument("--list", action="store_true", help="the kinds, with a line each")
+    make.add_argument("kind", metavar="KIND", help="what to make; --list names the kinds")
+    make.add_argument("target", metavar="DST", help="*.yaml, *.map, *.txt, or *.toml with start and goal")
+    make.add_argument("--list", action=_Kinds, nargs=0, help="the kinds, with a line each")
     make.add_argument("--size", type=int, metavar="N", help="side, cells (default 30)")
     make.add_argument("--density", type=float, metavar="P", help="blocked share of a complexity map, 0 to below 1 (default 0.3)")
     make.add_argument("--class", dest="scene_class", metavar="NAME", help="scene class of a calibrated map (default pso-aco-1)")
     make.add_argument("--seed", type=int, default=0, metavar="N", help="seed (default 0)")
     make.add_argument("--json", action="store_true", help="what is known about the map on stdout as JSON")
     parser.set_defaults(handler=handle)
+
+
+class _Kinds(argparse.Action):
+    """Prints the kinds and leaves, as ``--help`` does: KIND and DST need not be there."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from guideway.scenes import KINDS
+
+        print("\n".join(f"{kind:<12} {about}" for kind, about in KINDS.items()))
+        parser.exit()
 
 
 def handle(arguments: argparse.Namespace) -> int:
@@ -91,7 +101,7 @@ def _convert(arguments: argparse.Namespace) -> int:
 
 
 def _unpacked(found: GridMap | Scene, target: str) -> GridMap | Scene:
-    """A packaged scene with its map beside ``target``: a scene file names its map by a path, and one into the package would not be found elsewhere."""
+    """A packaged scene with its map beside ``target``: scene files name their map by a path, and one into the package is found nowhere else."""
     from guideway.io import Scene, write_map
 
     if not isinstance(found, Scene) or found.map is None:
@@ -106,11 +116,6 @@ def _unpacked(found: GridMap | Scene, target: str) -> GridMap | Scene:
 def _make(arguments: argparse.Namespace) -> int:
     from guideway import scenes
 
-    if arguments.list:
-        print("\n".join(f"{kind:<12} {about}" for kind, about in scenes.KINDS.items()))
-        return 0
-    if arguments.kind is None or arguments.target is None:
-        raise BadParameter("guideway maps make needs a KIND and a file to write (*.yaml, *.map, *.txt, *.toml), or --list")
     options.writable(arguments.target)
     scene = scenes.make(arguments.kind, arguments.seed, size=arguments.size, density=arguments.density, scene_class=arguments.scene_class)
     written = scene.write(arguments.target)

@@ -53,8 +53,8 @@ def make(kind: str, seed: int = 0, *, size: int | None = None, density: float | 
     """A new grid of one of the ``KINDS``.
 
     ``size`` is the side in cells (default 30; calibrated grids have that of their class), ``density`` the blocked share of a complexity map (default
-    0.3), ``scene_class`` that of a calibrated grid (default "pso-aco-1"). Raises :class:`guideway.errors.BadParameter` for values out of range, options
-    that the kind does not have, and kinds that are not known.
+    0.3), ``scene_class`` that of a calibrated grid (default "pso-aco-1"). Raises :class:`guideway.errors.BadParameter` for values out of range,
+    options that the kind does not have, and kinds that are not known.
     """
     if kind not in KINDS:
         raise BadParameter(f"kind {kind!r} is not known: one of {', '.join(KINDS)}")

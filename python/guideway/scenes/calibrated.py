@@ -7,6 +7,7 @@ Everything that decides is a whole number, so the same seed gives the same grid 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -194,7 +195,7 @@ class _Annealing:
 def _steps(corners: list[Cell]) -> tuple[int, int]:
     """Diagonals and straights of a path given by its corners."""
     diagonals = straights = 0
-    for (ax, ay), (bx, by) in zip(corners, corners[1:], strict=False):
+    for (ax, ay), (bx, by) in itertools.pairwise(corners):
         dx, dy = abs(ax - bx), abs(ay - by)
         diagonals, straights = diagonals + min(dx, dy), straights + max(dx, dy) - min(dx, dy)
     return diagonals, straights

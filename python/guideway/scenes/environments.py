@@ -71,7 +71,7 @@ def cluttered(size: int, draws: Draws) -> Grid:
 
 
 def crowded(size: int, draws: Draws) -> Grid:
-    """38 % of the cells (to the nearest block): blocks of 2 x 2 in bands, all aisles between them one or two cells wide, shifted from band to band."""
+    """38 % of the cells (to the nearest block): blocks of 2 x 2 in bands, aisles of one or two cells between them, shifted from band to band."""
     blocks = (share(size, 38) + 2) // 4
     most = (size + 1) // 3
     bands = min(most, max(1, round(blocks**0.5)))

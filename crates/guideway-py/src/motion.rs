@@ -41,6 +41,12 @@ impl Trajectory {
     fn duration(&self) -> f64 {
         self.inner.duration()
     }
+    /// Energy that a nominal robot takes for it, J: rolling, accelerating and turning without regeneration (40 kg, 2.03 kg m2, rolling resistance 0.015,
+    /// efficiency 0.75, copper losses 1.2 W/(m/s2)2). Our own model; good for comparing motions with each other.
+    #[getter]
+    fn energy(&self, py: Python<'_>) -> f64 {
+        py.detach(|| timing::Drive::default().energy(&self.inner))
+    }
     /// In time order, as in `plan.json`.
     #[getter]
     fn pieces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {

@@ -8,7 +8,8 @@ use crate::query::Query;
 use guideway::context::Budget;
 use guideway::error::PlanError;
 use guideway::path as paths;
-use guideway::refine::{self as core, Refiner, Simplify, Smooth};
+use guideway::query::Material;
+use guideway::refine::{self as core, BSpline, Refiner, SecurityMarking, Simplify, Smooth};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 
@@ -35,16 +36,29 @@ impl Refined {
     }
 }
 
-/// Refines a path for a query: `none`, `simplify` (line of sight) or `smooth` (cubic B-spline, proved free). `max_curvature` in 1/m.
+/// Refines a path for a query: `none`, `simplify` (line of sight; for long loads a lattice path is tidied and stays on the lattice), `smooth` (wide bends, proved
+/// free) or `bspline` (all cells as control points, proved free). `max_curvature` in 1/m and `stretch`, the share of their legs that bends may add
+/// (default 0.01), are those of `smooth`; `spacing` (cells) is the distance of the control points of `bspline`, above 1 evenly along the path.
 #[pyfunction]
-#[pyo3(signature = (path, query, method="smooth", *, max_curvature=None))]
-pub fn refine(py: Python<'_>, path: &Path, query: &Query, method: &str, max_curvature: Option<f64>) -> PyResult<Refined> {
+#[pyo3(signature = (path, query, method="smooth", *, max_curvature=None, stretch=None, spacing=1.0))]
+pub fn refine(
+    py: Python<'_>,
+    path: &Path,
+    query: &Query,
+    method: &str,
+    max_curvature: Option<f64>,
+    stretch: Option<f64>,
+    spacing: f64,
+) -> PyResult<Refined> {
     let path = path.on_the_ground(py)?;
+    let usual = Smooth::default();
     let refiner: Box<dyn Refiner> = match method {
         "none" => return Ok(Refined { inner: core::Refined { path: path.clone(), unmet: Vec::new() } }),
+        "simplify" if query.inner.material == Material::Long => Box::new(SecurityMarking::default()),
         "simplify" => Box::new(Simplify::default()),
-        "smooth" => Box::new(Smooth { max_curvature, ..Smooth::default() }),
-        other => return Err(to_py(py, &PlanError::bad("refine", other, "one of none, simplify, smooth"))),
+        "smooth" => Box::new(Smooth { max_curvature, stretch: stretch.unwrap_or(usual.stretch), ..usual }),
+        "bspline" => Box::new(BSpline { spacing }),
+        other => return Err(to_py(py, &PlanError::bad("refine", other, "one of none, simplify, smooth, bspline"))),
     };
     let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| refiner.refine(path, &query.inner, ctx))?;
     raised.map_or(Ok(()), Err)?;

@@ -5,9 +5,11 @@ mod stand_ins;
 use guideway::certify;
 use guideway::context::Context;
 use guideway::error::PlanError;
+use guideway::path::{Path, measure};
 use guideway::plan::{REGISTRY, Solution, planner, score};
-use guideway::query::{Material, Query};
-use guideway::refine::{Refiner, Simplify, Smooth};
+use guideway::query::{Limits, Material, Query};
+use guideway::refine::{BSpline, Refiner, SecurityMarking, Simplify, Smooth};
+use guideway::timing::{self, Drive, TimingOptions};
 use guideway::world::{Corners, Footprint, Shape, World};
 use serde_json::Value;
 use stand_ins::{SCENES, least_turns, scene};
@@ -114,6 +116,75 @@ fn among_shapes_the_same_promise_holds() {
                     .map_or_else(|| certify::collision(path, &query, None).min_clearance + footprint, |m| m.min_clearance);
                 assert!(least >= radius - 1e-9, "{}: {least} of {radius}", entry.name);
             }
+        }
+    }
+}
+
+/// Lattice optima by their turning cells: the listed one of scene 1, one of the six of scene 2.
+const OPTIMA: [&[[u32; 2]]; 2] =
+    [&[[0, 0], [0, 3], [15, 18], [18, 18], [19, 19]], &[[0, 0], [4, 0], [10, 6], [10, 8], [11, 9], [11, 12], [18, 19], [19, 19]]];
+
+fn polyline(query: &Query, cells: &[[u32; 2]]) -> Path {
+    Path::polyline(&cells.iter().map(|c| query.world.cell_center(*c)).collect::<Vec<_>>())
+}
+
+#[test]
+fn the_numbers_of_the_energy_table_hold_for_the_stand_ins() {
+    // (E3) The shortest paths take less of the source's energy than its smoothed ones, 30.6540 and 34.3274. (E4) Their splines are shorter, never longer.
+    for (k, [shortest, safest, spline]) in [[30.1274, 32.7132, 28.362], [32.7990, 38.6421, 29.286]].into_iter().enumerate() {
+        let query = scene(SCENES[k]);
+        for (corners, energy) in [(Corners::Touch, shortest), (Corners::Clear, safest)] {
+            let (cells, _) = least_turns(SCENES[k], corners);
+            assert!((measure(&polyline(&query, &cells), &query.world, 0.0).energy - energy).abs() < 5e-5);
+        }
+        let path = polyline(&query, OPTIMA[k]);
+        let (found, turns) = least_turns(SCENES[k], Corners::Touch);
+        assert!((path.length() - polyline(&query, &found).length()).abs() < 1e-9 && path.corners().len() == turns as usize);
+        let every = BSpline::default().refine(&path, &query, &mut Context::new(0)).unwrap();
+        assert!((every.path.length() - spline).abs() < 5e-4, "{}", every.path.length());
+        assert_eq!(every.path.count() as f64, 1.0 + f64::from(score::counts(&found)[..2].iter().sum::<u32>()), "every cell counts once");
+        assert!(every.unmet.is_empty() && every.path.length() < path.length() && certify::collision(&every.path, &query, None).ok);
+    }
+}
+
+#[test]
+fn a_spline_drives_with_less_energy_than_the_corners_it_replaces() {
+    // What the source claims for its own measure holds for that of the drive: at a corner the robot stops and turns.
+    for (k, text) in SCENES.into_iter().enumerate() {
+        let query = scene(text);
+        let path = polyline(&query, OPTIMA[k]);
+        let spline = BSpline::default().refine(&path, &query, &mut Context::new(0)).unwrap().path;
+        let [corners, bends] = [&path, &spline].map(|p| {
+            let motion = timing::time(p, &Limits::default(), &TimingOptions::default(), &mut Context::new(0)).unwrap();
+            Drive::default().energy(&motion)
+        });
+        assert!(bends < 0.85 * corners, "{bends} {corners}");
+    }
+}
+
+#[test]
+fn every_lattice_path_has_a_free_spline_that_is_no_longer() {
+    for text in SCENES {
+        for entry in REGISTRY.iter().filter(|entry| entry.lattice) {
+            let query = scene(text);
+            let found = solve(entry.name, &query);
+            let path = BSpline::default().refine(&found.path, &query, &mut Context::new(0)).unwrap().path;
+            assert!(path.degree() == 3 && path.length() <= found.path.length() + 1e-9, "{}", entry.name);
+            assert!(certify::collision(&path, &query, None).ok, "{}", entry.name);
+        }
+    }
+}
+
+#[test]
+fn the_simplified_safe_path_stays_on_the_lattice_and_clear() {
+    for text in SCENES {
+        for entry in REGISTRY.iter().filter(|entry| entry.lattice) {
+            let query = long(scene(text));
+            let found = solve(entry.name, &query);
+            let path = SecurityMarking::default().refine(&found.path, &query, &mut Context::new(0)).unwrap().path;
+            assert!(path.length() <= found.path.length() + 1e-9 && path.corners().len() <= found.path.corners().len(), "{}", entry.name);
+            assert!(path.points().iter().flatten().all(|v| (v - 0.5).fract() == 0.0), "{}", entry.name);
+            assert!(certify::marking(&path, &query, None).unwrap().ok, "{}", entry.name);
         }
     }
 }

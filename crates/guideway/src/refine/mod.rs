@@ -2,16 +2,21 @@
 
 mod arcs;
 mod belt;
+mod bspline;
+mod cells;
 mod chords;
 mod fit;
 mod merge;
+mod security_marking;
 mod simplify;
 mod smooth;
 mod spline;
 #[cfg(test)]
 mod tests;
 
+pub use bspline::BSpline;
 pub use chords::polyline;
+pub use security_marking::SecurityMarking;
 pub use simplify::Simplify;
 pub use smooth::Smooth;
 

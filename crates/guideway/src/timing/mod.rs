@@ -2,6 +2,7 @@
 
 mod ceiling;
 mod csv;
+mod energy;
 mod jerk_limited;
 mod profile;
 pub mod scurve;
@@ -10,6 +11,7 @@ mod turn;
 
 pub use ceiling::{Ceiling, ceiling};
 pub use csv::CSV_HEADER;
+pub use energy::Drive;
 pub use jerk_limited::{JerkLimited, time};
 pub use profile::fastest;
 pub use scurve::{Bounds, Jerks, Profile, SCurve};

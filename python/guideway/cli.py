@@ -20,7 +20,7 @@ VERBS = {
     "demo": "the main job on a real map that ships with the package",
     "plan": "plan, smooth, time and certify a path on a map or in a scene",
     "drive": "drive a planned motion in a world that moves",
-    "maps": "look at maps and convert them",
+    "maps": "look at maps, convert them, make new ones",
     "view": "one self-contained HTML report from results",
 }
 

@@ -1,18 +1,28 @@
-"""``guideway maps info | convert | view``: look at maps and convert them."""
+"""``guideway maps info | convert | view | make``: look at maps, convert them, make new ones."""
 
 from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
+from guideway.commands import options
 from guideway.errors import BadParameter
+from guideway.io.packaged import is_packaged
+
+if TYPE_CHECKING:
+    from guideway.io import GridMap, Scene
 
 EXAMPLES = """examples:
   guideway maps info warehouse.yaml
   guideway maps convert warehouse.yaml warehouse.map
   guideway maps convert barn_worlds.json.gz#7 barn7.toml
-  guideway maps view warehouse.yaml --out warehouse.png"""
+  guideway maps view warehouse.yaml --out warehouse.png
+  guideway maps make maze --seed 3 maze.toml
+  guideway maps make complexity --size 70 --density 0.5 hard.map
+  guideway maps make --list"""
 
 _MAP = "map_server *.yaml, Moving AI *.map, text *.txt, scene *.toml, scene:NAME, or number N of a collection (*.json#N)"
 
@@ -30,12 +40,31 @@ def declare(parser: argparse.ArgumentParser) -> None:
     view = actions.add_parser("view", help="a picture of a map with its clearance")
     view.add_argument("map", metavar="MAP", help=_MAP)
     view.add_argument("--out", metavar="FILE.png", required=True, help="the picture to write")
+    make = actions.add_parser("make", help="a new random map, the same for the same seed on every machine")
+    make.add_argument("kind", metavar="KIND", help="what to make; --list names the kinds")
+    make.add_argument("target", metavar="DST", help="*.yaml, *.map, *.txt, or *.toml with start and goal")
+    make.add_argument("--list", action=_Kinds, nargs=0, help="the kinds, with a line each")
+    make.add_argument("--size", type=int, metavar="N", help="side, cells (default 30)")
+    make.add_argument("--density", type=float, metavar="P", help="blocked share of a complexity map, 0 to below 1 (default 0.3)")
+    make.add_argument("--class", dest="scene_class", metavar="NAME", help="scene class of a calibrated map (default pso-aco-1)")
+    make.add_argument("--seed", type=int, default=0, metavar="N", help="seed (default 0)")
+    make.add_argument("--json", action="store_true", help="what is known about the map on stdout as JSON")
     parser.set_defaults(handler=handle)
+
+
+class _Kinds(argparse.Action):
+    """Prints the kinds and leaves, as ``--help`` does: KIND and DST need not be there."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from guideway.scenes import KINDS
+
+        print("\n".join(f"{kind:<12} {about}" for kind, about in KINDS.items()))
+        parser.exit()
 
 
 def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
-    return {"info": _info, "convert": _convert, "view": _view}[arguments.action](arguments)
+    return {"info": _info, "convert": _convert, "view": _view, "make": _make}[arguments.action](arguments)
 
 
 def _info(arguments: argparse.Namespace) -> int:
@@ -63,8 +92,39 @@ def _shown(value: Any) -> str:
 def _convert(arguments: argparse.Namespace) -> int:
     from guideway.io import load, write_map
 
-    for path in write_map(load(arguments.source), arguments.target):
+    found = load(arguments.source)
+    if is_packaged(arguments.source) and arguments.target.lower().endswith(".toml"):
+        found = _unpacked(found, arguments.target)
+    for path in write_map(found, arguments.target):
         print(f"wrote {path}")
+    return 0
+
+
+def _unpacked(found: GridMap | Scene, target: str) -> GridMap | Scene:
+    """A packaged scene with its map beside ``target``: scene files name their map by a path, and one into the package is found nowhere else."""
+    from guideway.io import Scene, write_map
+
+    if not isinstance(found, Scene) or found.map is None:
+        return found
+    ending = ".txt" if found.map.kind == "text" else ".yaml"
+    beside = write_map(found.map, os.path.splitext(target)[0] + ending)
+    for path in beside[::-1]:
+        print(f"wrote {path}")
+    return replace(found, map=replace(found.map, source=beside[0]))
+
+
+def _make(arguments: argparse.Namespace) -> int:
+    from guideway import scenes
+
+    options.writable(arguments.target)
+    scene = scenes.make(arguments.kind, arguments.seed, size=arguments.size, density=arguments.density, scene_class=arguments.scene_class)
+    written = scene.write(arguments.target)
+    if arguments.json:
+        print(json.dumps({"kind": arguments.kind, "seed": arguments.seed} | scene.record))
+        return 0
+    for key, value in scene.record.items():
+        print(f"{key:<12} {_shown(value)}")
+    print("\n".join(f"wrote        {path}" for path in written))
     return 0
 
 

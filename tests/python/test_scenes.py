@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -136,6 +137,31 @@ def test_what_the_published_numbers_say():
     assert f"{28 * ROOT2 + 2:.3f}" == "41.598"
 
 
+def documented():
+    """The table of docs/scenes.md: a row of words for each scene, by the name of the row."""
+    lines = (Path(__file__).resolve().parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8").splitlines()
+    rows = [[word.strip() for word in line.split("|")[1:-1]] for line in lines if line.startswith("|") and not line.startswith("|---")]
+    return {row[0]: dict(zip((word.strip("`") for word in rows[0][1:]), row[1:], strict=True)) for row in rows[1:]}
+
+
+def test_the_documented_table(name):
+    n, cells = lattice.read(text_of(name))
+    optima = {rule: lattice.optimum(n, cells, rule) for rule in ("touch", "clear")}
+    paths = lattice.counts(n, cells, "touch")
+    said = {row: words[name] for row, words in documented().items()}
+    found = {"cells": f"{n} x {n}", "blocked": str(len(cells))}
+    found["of them in the lower left 19 x 19"] = str(sum(x < n and y < n for x, y in cells)) if FACTS[name][2] else ""
+    for rule, ((diagonals, straights), turns) in optima.items():
+        found[f"`{rule}`: diagonals + straights, turns"] = f"{diagonals} + {straights}, {turns}"
+        found[f"`{rule}`: length"] = f"{lattice.length((diagonals, straights)):.4f}"
+    found["shortest paths, of them with fewest turns"] = f"{sum(paths.values())}, {paths[optima['touch'][1]]}"
+    found["any angle, between cell centres"] = f"{FACTS[name][5]:.4f}"  # found again above
+    found["any angle, exact"] = f"{lattice.any_angle(cells, lattice.corners(n, cells), (2, 2), (2 * n, 2 * n)):.4f}"
+    energies = [f"{lattice.length(pair) + turns / 2:.4f}" for pair, turns in optima.values()]
+    found["energy, length + turns / 2: `touch`, `clear`"] = ", ".join(energies)
+    assert found == said
+
+
 def test_the_published_coverages_are_those_of_19_x_19_cells():
     def shares(cells):
         return {f"{100 * blocked / cells:.2f}" for blocked in range(cells + 1)}
@@ -153,7 +179,11 @@ def test_the_package_agrees(name):
     for rule in ("touch", "clear"):
         found = world.shortest((0, n - 1), (n - 1, 0), rule)
         assert found is not None
-        assert found[0] == pytest.approx(lattice.length(lattice.optimum(n, cells, rule)[0]), abs=1e-9)
+        pair, turns = lattice.optimum(n, cells, rule)
+        assert found[0] == pytest.approx(lattice.length(pair), abs=1e-9)
+        exact = gw.lattice_optimum(world, (0, n - 1), (n - 1, 0), rule)
+        assert exact is not None
+        assert ((exact["diagonals"], exact["straights"]), exact["turns"]) == (pair, turns)
     best = gw.plan(gw.Query(world, (0.5, 0.5), (n - 0.5, n - 0.5)), planner="visibility", seed=0).cost
     assert best == pytest.approx(lattice.any_angle(cells, lattice.corners(n, cells), (2, 2), (2 * n, 2 * n)), abs=1e-9)
     assert best <= FACTS[name][5]

@@ -300,7 +300,9 @@ def test_distance_to_movers() -> None:
 
 def test_map_png_needs_pillow_only(tmp_path: Path) -> None:
     image = np.asarray(Image.open(view.map_png(room(), tmp_path / "map.png")))
-    assert image.shape == (12, 16, 3)
+    assert image.shape == (12 * 32, 16 * 32, 3)  # small maps get larger cells
+    assert (image.reshape(12, 32, 16, 32, 3) == image[::32, None, ::32, None]).all()
+    image = image[::32, ::32]
     assert (image[5, 7] < 100).all()
     assert (image[5, 0] > image[5, 6]).all()
     with pytest.raises(ValueError, match="no grid"):

@@ -123,7 +123,7 @@ def _make(arguments: argparse.Namespace) -> int:
         print(json.dumps({"kind": arguments.kind, "seed": arguments.seed} | scene.record))
         return 0
     for key, value in scene.record.items():
-        print(f"{key:<12} {_shown(value)}")
+        print(f"{key:<12} {_shown(value) or 'none'}")
     print("\n".join(f"wrote        {path}" for path in written))
     return 0
 

@@ -24,16 +24,20 @@ COLOURS = ("#0072b2", "#007d59", "#a04a82", "#946200", "#7d4e2d", "#6b5fb5")
 WALL, UNSEEN, NEAR, FAR = (50, 61, 73), (221, 226, 232), (204, 216, 228), (255, 255, 255)
 MOST_SIDE = 4096
 """Longest side of a map image, pixels; larger maps are reduced without losing walls."""
+LEAST_SIDE = 512
+"""Longest side, pixels, that the image of a small map has at least: its cells are drawn as squares of whole pixels."""
 
 
 def map_png(world: Scenery, path: str | os.PathLike[str]) -> Path:
-    """Writes the map as a PNG: walls, unknown cells, clearance shading. Needs no plotting library.
+    """Writes the map as a PNG: walls, unknown cells, clearance shading; small maps with larger cells. Needs no plotting library.
 
     Raises ``ValueError`` for a world with neither a grid nor a clearance field.
     """
     target = Path(path)
     buffer = io.BytesIO()
-    Image.fromarray(map_pixels(world, MOST_SIDE), "RGB").save(buffer, "PNG", optimize=True)
+    pixels = map_pixels(world, MOST_SIDE)
+    larger = -(-LEAST_SIDE // max(pixels.shape[:2]))
+    Image.fromarray(pixels.repeat(larger, 0).repeat(larger, 1), "RGB").save(buffer, "PNG", optimize=True)
     write_whole(target, buffer.getvalue())
     return target
 

@@ -34,6 +34,7 @@ pub mod certify;
 pub mod context;
 pub mod drive;
 pub mod error;
+pub mod optimize;
 pub mod path;
 pub mod plan;
 pub mod query;

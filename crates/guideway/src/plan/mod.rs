@@ -5,6 +5,7 @@ mod legs;
 mod registry;
 pub mod score;
 pub mod search;
+pub mod swarm;
 
 pub use registry::REGISTRY;
 

@@ -1,6 +1,6 @@
 //! The registry of planners.
 
-use super::{Entry, colony, search};
+use super::{Entry, colony, search, swarm};
 use crate::entry;
 
 /// Every planner, one line each.
@@ -97,6 +97,110 @@ pub const REGISTRY: &[Entry] = &[
             ("elitist", "the best so far deposits in every half"),
             ("polish", "iterations without improvement after which local search works on the best trails; 0: never"),
             ("restart", "entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never"),
+        ],
+        paper
+    ),
+    entry!(
+        "pso",
+        swarm::Pso,
+        true,
+        "kennedy1995, shi1998, han2024",
+        "Particle swarm over guided walks on the lattice",
+        [
+            ("preset", "default | paper: our settings or those of the source"),
+            ("encoding", "what the numbers mean: `walk` (turns of a guided walk) or `way-points` (points joined by straight lines)"),
+            ("keys", "keys D of a walk, 1 to 10000"),
+            ("points", "points K of the way point encoding, 1 to 1000"),
+            ("walk_limit", "most steps of a walk, larger sides of the map; 0: as many as it takes"),
+            ("stretch", "on long legs a key steers several steps"),
+            ("cut", "cut loops of walks"),
+            ("straight", "the walk straight at the goal is in the first population"),
+            ("prune", "any-angle path: way points that can be passed by straight are dropped"),
+            ("particles", "particles NP"),
+            ("iterations", "iterations t_max per leg"),
+            ("inertia", "inertia omega, 0 to 2"),
+            ("cognitive", "pull of a particle's own best place c1, 0 to 10"),
+            ("social", "pull of the best place of all c2, 0 to 10"),
+            ("speed", "largest step, share of a key's range"),
+            ("patience", "stops once the best has been the same for that many iterations; 0: never")
+        ],
+        paper
+    ),
+    entry!(
+        "grouped-pso",
+        swarm::GroupedPso,
+        true,
+        "han2024",
+        "Particle swarm in subgroups with an elite and a second, adaptive stage, over guided walks",
+        [
+            ("preset", "default | paper: our settings or those of the source"),
+            ("encoding", "what the numbers mean: `walk` (turns of a guided walk) or `way-points` (points joined by straight lines)"),
+            ("keys", "keys D of a walk, 1 to 10000"),
+            ("points", "points K of the way point encoding, 1 to 1000"),
+            ("walk_limit", "most steps of a walk, larger sides of the map; 0: as many as it takes"),
+            ("stretch", "on long legs a key steers several steps"),
+            ("cut", "cut loops of walks"),
+            ("straight", "the walk straight at the goal is in the first population"),
+            ("prune", "any-angle path: way points that can be passed by straight are dropped"),
+            ("particles", "particles NP besides the elite"),
+            ("groups", "subgroups m_g"),
+            ("iterations", "iterations t_max per leg"),
+            ("patience", "stops once the best has been the same for that many iterations; 0: never"),
+            ("regroup", "subgroups are dealt anew after that many iterations; 0: never"),
+            ("elite", "elite group"),
+            ("second_stage", "second, adaptive stage for particles that the first does not improve"),
+            ("inertia", "inertia omega of the first stage, 0 to 2"),
+            ("cognitive", "pull of a particle's own best place c1 in the first stage, 0 to 10"),
+            ("social", "pull of the guide c2 in the first stage, 0 to 10"),
+            ("inertia_range", "inertia of the second stage, [at the guide, farthest from it]"),
+            ("cognitive_range", "pull of the own best place in the second stage, [first, last]"),
+            ("social_range", "pull of the guide in the second stage, [first, last]"),
+            ("speed", "largest step, share of a key's range")
+        ],
+        paper
+    ),
+    entry!(
+        "ga",
+        swarm::Ga,
+        true,
+        "holland1975, han2024",
+        "Genetic algorithm on lattice paths",
+        [
+            ("preset", "default | paper: our settings or those of the source"),
+            ("individuals", "paths N"),
+            ("iterations", "generations per leg"),
+            ("crossover", "probability of crossover p_c"),
+            ("mutation", "probability of mutation p_m"),
+            ("piece", "longest piece that a mutation replaces, steps"),
+            ("patience", "stops once the best has been the same for that many generations; 0: never"),
+            ("keys", "keys of the walks, 1 to 10000"),
+            ("walk_limit", "most steps of a walk, larger sides of the map; 0: as many as it takes"),
+            ("stretch", "on long legs a key steers several steps")
+        ],
+        paper
+    ),
+    entry!(
+        "sparrow",
+        swarm::Sparrow,
+        true,
+        "xue2020, han2024",
+        "Sparrow search over guided walks; biased towards the straight way",
+        [
+            ("preset", "default | paper: our settings or those of the source"),
+            ("encoding", "what the numbers mean: `walk` (turns of a guided walk) or `way-points` (points joined by straight lines)"),
+            ("keys", "keys D of a walk, 1 to 10000"),
+            ("points", "points K of the way point encoding, 1 to 1000"),
+            ("walk_limit", "most steps of a walk, larger sides of the map; 0: as many as it takes"),
+            ("stretch", "on long legs a key steers several steps"),
+            ("cut", "cut loops of walks"),
+            ("straight", "the walk straight at the goal is in the first population"),
+            ("prune", "any-angle path: way points that can be passed by straight are dropped"),
+            ("sparrows", "sparrows NP"),
+            ("iterations", "iterations t_max per leg"),
+            ("producers", "share of producers PD / NP, 0 to 1"),
+            ("scouts", "share of scouts SD / NP, 0 to 1"),
+            ("safety", "safety ST, 0 to 1: producers wander while the alarm is below it"),
+            ("patience", "stops once the best has been the same for that many iterations; 0: never")
         ],
         paper
     ),

@@ -67,6 +67,7 @@ impl Moves {
             let pulled = pull.own * r1 * (p.best[k] - p.x[k]) + pull.guide * r2 * (guide[k] - p.x[k]);
             v[k] = (pull.inertia * p.v[k] + pulled).clamp(-most, most);
             x[k] = (p.x[k] + v[k]).clamp(low, high);
+            v[k] = x[k] - p.x[k];
         }
     }
 

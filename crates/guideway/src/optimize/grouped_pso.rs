@@ -89,7 +89,7 @@ impl Optimizer for GroupedPso {
             if let Some(stop) = run.record.tick(f, ctx) {
                 break stop;
             }
-            if self.regroup > 0 && t % self.regroup == 0 {
+            if self.regroup > 0 && t.is_multiple_of(self.regroup) {
                 run.deal();
             }
         };

@@ -43,7 +43,9 @@ impl Optimizer for Pso {
         let pull = Pull { inertia: self.inertia, own: self.cognitive, guide: self.social }.check()?;
         let mut record = Record::new(self.iterations, self.patience, ctx);
         let mut particles = flock(f, self.particles, self.speed, ctx)?;
-        particles.iter().for_each(|p| record.offer(&p.x, p.cost));
+        for p in &particles {
+            record.offer(&p.x, p.cost);
+        }
         let space = Space { bounds: f.bounds(), speed: self.speed };
         let mut moves = Moves::default();
         let stop = loop {

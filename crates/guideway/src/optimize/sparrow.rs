@@ -74,10 +74,14 @@ impl Sparrow {
         flock.renew((0..producers).collect(), ctx, |i, x, rng| {
             if alarm < self.safety {
                 let shrink = (-((i + 1) as f64) / ((1.0 - rng.random::<f64>()) * most)).exp();
-                x.iter_mut().for_each(|v| *v *= shrink);
+                for v in x {
+                    *v *= shrink;
+                }
             } else {
                 let step = normal(rng);
-                x.iter_mut().for_each(|v| *v += step);
+                for v in x {
+                    *v += step;
+                }
             }
         })?;
         let leader = flock.best(producers).0.clone(); // x_P

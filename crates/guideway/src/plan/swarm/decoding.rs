@@ -25,6 +25,7 @@ pub enum Encoding {
 /// From a candidate to a path. Parameters that all swarm planners share.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches, one for each ablation")]
 pub struct Decoding {
     /// What the numbers mean.
     pub encoding: Encoding,

@@ -86,15 +86,17 @@ impl Ga {
         if leg.start == leg.goal {
             return Ok(standing(leg.start, aim));
         }
+        let before = ctx.evaluations();
         let probe = judge.probe(ctx);
         if probe.is_none() {
             exact::search(Engine::JumpPoint, leg, ctx)?;
         }
         let mut scratch = leg.lattice.pool().take::<Scratch>();
         let mut breed = Breed { ga: self, judge: &judge, scratch: &mut scratch, paths: Vec::new(), best: None, history: Vec::new() };
-        let (iterations, evaluations, stop) = breed.run(ctx);
+        let (iterations, stop) = breed.run(ctx);
         let Breed { mut paths, best, mut history, .. } = breed;
         leg.lattice.pool().give(scratch);
+        let evaluations = ctx.evaluations() - before;
         let best = best.map(|b| b.0).or(probe);
         let Some(cells) = best else { return Err(nothing(leg.query, stop, evaluations)) };
         let score = aim.of_cells(&cells);
@@ -129,8 +131,8 @@ struct Breed<'a> {
 }
 
 impl Breed<'_> {
-    /// Iterations, evaluations, and why it stopped.
-    fn run(&mut self, ctx: &mut Context) -> (u64, u64, Stop) {
+    /// Iterations, and why it stopped.
+    fn run(&mut self, ctx: &mut Context) -> (u64, Stop) {
         let before = ctx.evaluations();
         let ends = [self.judge.leg.start, self.judge.leg.goal];
         while self.paths.len() < self.ga.individuals && open(ctx) {
@@ -160,7 +162,7 @@ impl Breed<'_> {
                 break Stop::Converged;
             }
         };
-        (iteration, ctx.evaluations() - before, stop)
+        (iteration, stop)
     }
 
     fn shown(&self, score: Score) -> f64 {

@@ -28,7 +28,7 @@ const fn table() -> [[u8; 256]; 16] {
             let (mut best, mut least, mut k) = (0, i32::MAX, 0);
             while k < 8 {
                 // Twice the angle between the middle of the sector and step k, in sectors, round the circle.
-                let apart = (2 * sector as i32 + 1 - 4 * k as i32).rem_euclid(32);
+                let apart = (2 * sector as i32 + 1 - 4 * k).rem_euclid(32);
                 let apart = if apart > 16 { 32 - apart } else { apart };
                 if set >> k & 1 != 0 && apart < least {
                     (best, least) = (k, apart);
@@ -163,37 +163,26 @@ impl Ground<'_> {
                 return false;
             }
             steps += 1;
-            let at = self.aim(cell, to, keys[key], scratch.turn(keys, key));
+            let at = aim(cell, to, keys[key], scratch.turn(keys, key));
             steered += 1;
             if steered == gait.stride {
                 (steered, key) = (0, (key + 1) % keys.len());
             }
-            match self.next(cell, at, scratch) {
-                Some(next) => {
-                    scratch.cells.push(next);
-                    scratch.marks[self.place(next)] = stamp | scratch.cells.len() as u64;
-                    cell = next;
-                }
-                None => {
-                    scratch.marks[self.place(cell)] = stamp;
-                    scratch.cells.pop();
-                    let Some(&back) = scratch.cells.last() else { return false };
-                    cell = back;
-                }
+            if let Some(next) = self.next(cell, at, scratch) {
+                scratch.cells.push(next);
+                scratch.marks[self.place(next)] = stamp | scratch.cells.len() as u64;
+                cell = next;
+            } else {
+                scratch.marks[self.place(cell)] = stamp;
+                scratch.cells.pop();
+                let Some(&back) = scratch.cells.last() else { return false };
+                cell = back;
             }
         }
         if gait.cut {
             self.cut(scratch);
         }
         true
-    }
-
-    /// The sector that a key asks for. A key to the right is looked at in the mirror, so that of two steps as near the one nearer to the goal wins.
-    #[inline]
-    fn aim(&self, cell: Cell, to: Cell, key: f64, [cos, sin]: [f64; 2]) -> usize {
-        let [gx, gy] = [0, 1].map(|i| f64::from(to[i]) - f64::from(cell[i]));
-        let (x, y) = (cos * gx - sin * gy, sin * gx + cos * gy);
-        if key < 0.0 { 15 - sector(x, -y) } else { sector(x, y) }
     }
 
     /// The best open step to a cell that this walk has not visited.
@@ -239,6 +228,14 @@ impl Ground<'_> {
         }
         self.cut(scratch);
     }
+}
+
+/// The sector that a key asks for. A key to the right is looked at in the mirror, so that of two steps as near the one nearer to the goal wins.
+#[inline]
+fn aim(cell: Cell, to: Cell, key: f64, [cos, sin]: [f64; 2]) -> usize {
+    let [gx, gy] = [0, 1].map(|i| f64::from(to[i]) - f64::from(cell[i]));
+    let (x, y) = (cos * gx - sin * gy, sin * gx + cos * gy);
+    if key < 0.0 { 15 - sector(x, -y) } else { sector(x, y) }
 }
 
 #[inline]

@@ -25,7 +25,7 @@ pub(in crate::plan) struct Found {
     pub history: Vec<(u64, f64)>,
     /// Iterations.
     pub iterations: u64,
-    /// Candidates costed, the straight walk that goes ahead not among them.
+    /// Candidates costed, the straight walk that goes ahead among them.
     pub evaluations: u64,
     /// Why it stopped.
     pub stop: Stop,
@@ -40,7 +40,7 @@ const SHOWN: [usize; 2] = [8, 2000];
 /// # Errors
 /// [`PlanError::NoPath`], proved by an exact search if there is none, [`PlanError::Cancelled`], [`PlanError::BadParameter`].
 pub(in crate::plan) fn search(leg: &Leg, optimizer: &dyn Optimizer, decoding: &Decoding, aim: Aim, ctx: &mut Context) -> Result<Found, PlanError> {
-    let mut judge = Judge::new(leg, decoding, aim)?;
+    let (mut judge, before) = (Judge::new(leg, decoding, aim)?, ctx.evaluations());
     if leg.start == leg.goal {
         let points = decoding.prune.then(|| vec![leg.start]);
         return Ok(Found { points, ..standing(leg.start, aim) });
@@ -55,7 +55,8 @@ pub(in crate::plan) fn search(leg: &Leg, optimizer: &dyn Optimizer, decoding: &D
     let Some(cells) = cells else {
         return Err(nothing(leg.query, minimum.stop, minimum.evaluations));
     };
-    Ok(found(&judge, cells, &minimum, decoding.prune))
+    let evaluations = ctx.evaluations() - before;
+    Ok(Found { evaluations, ..found(&judge, cells, &minimum, decoding.prune) })
 }
 
 /// The path of a leg from a cell to itself.
@@ -110,7 +111,6 @@ pub(super) fn plan(
     ctx: &mut Context,
     mut solve: impl FnMut(&Leg, &mut Context) -> Result<Found, PlanError>,
 ) -> Result<Solution, PlanError> {
-    let before = ctx.evaluations();
     let mut legs: Vec<Found> = Vec::new();
     let mut points = vec![query.start];
     let route = legs::plan(query, ctx, |leg, ctx| {
@@ -129,8 +129,8 @@ pub(super) fn plan(
     let stop = legs.iter().map(|l| l.stop).find(|s| *s != Stop::Converged).unwrap_or(Stop::Converged);
     let iterations = legs.iter().map(|l| l.iterations).sum();
     let history = joined(&legs, cost, query.world.resolution());
+    let evaluations = legs.iter().map(|l| l.evaluations).sum();
     let trace = json!({ "legs": legs.into_iter().map(|l| l.trace).collect::<Vec<_>>() });
-    let evaluations = ctx.evaluations() - before;
     let cells = (!pruned).then_some(route.cells);
     Ok(Solution { path, cells, cost, trajectory: None, stop, iterations, evaluations, seconds: ctx.seconds(), history, trace, memory: None })
 }

@@ -6,7 +6,7 @@ use crate::world::Cell;
 /// Draws the line through the points (pairs of keys, -1 to 1 across the lattice) into the scratch; gives back how many of its steps are not allowed.
 pub(super) fn draw(ground: &Ground, [from, to]: [Cell; 2], keys: &[f64], scratch: &mut Scratch) -> u64 {
     let side = [ground.lattice.width(), ground.lattice.height()];
-    let place = |pair: &[f64]| [0, 1].map(|i| ((pair[i] + 1.0) / 2.0 * f64::from(side[i])).clamp(0.0, f64::from(side[i] - 1)) as u32);
+    let place = |pair: &[f64]| [0, 1].map(|i| ((0.5 + 0.5 * pair[i]) * f64::from(side[i])).clamp(0.0, f64::from(side[i] - 1)) as u32);
     scratch.cells.clear();
     scratch.cells.push(from);
     let mut last = from;

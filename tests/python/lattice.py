@@ -115,9 +115,9 @@ def sees(blocked, a, b):
 
 def any_angle(blocked, points, start, goal):
     """Length, in cells, of the shortest way from ``start`` to ``goal`` by straight lines between ``points``, all in doubled coordinates."""
-    heap, done, points = [(0.0, start)], set(), set(points) | {goal}
+    heap, done, points = [(0.0, 0.0, start)], set(), set(points) | {goal}
     while heap:
-        far, point = heapq.heappop(heap)
+        _, far, point = heapq.heappop(heap)
         if point == goal:
             return far
         if point in done:
@@ -125,7 +125,8 @@ def any_angle(blocked, points, start, goal):
         done.add(point)
         for to in points - done:
             if sees(blocked, point, to):
-                heapq.heappush(heap, (far + math.dist(point, to) / 2, to))
+                reached = far + math.dist(point, to) / 2
+                heapq.heappush(heap, (reached + math.dist(to, goal) / 2, reached, to))  # never less than the straight line is left
     return None
 
 

@@ -1,5 +1,6 @@
 """The generators of grids: the same everywhere for the same seed, solvable, and what they say they are."""
 
+import doctest
 import hashlib
 import json
 
@@ -179,6 +180,25 @@ def test_calibrated_grids_meet_every_target(kind):
             assert pair == getattr(targets, rule)[:2]
             assert getattr(targets, rule)[2] in (None, turns)
             assert scene.record[rule] == {"diagonals": pair[0], "straights": pair[1], "turns": turns}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", gw.scenes.CLASSES)
+def test_a_hundred_calibrated_grids_of_each_class_are_exact_and_different(kind):
+    texts = set()
+    for seed in range(100):
+        scene = gw.scenes.calibrated(kind, seed)
+        assert scene.record["exact"], (seed, scene.record["deviation"])
+        n, cells = lattice.read(scene.text())
+        for rule in ("touch", "clear"):
+            pair, turns = lattice.optimum(n, cells, rule)
+            assert (pair, turns) == (getattr(gw.scenes.CLASSES[kind], rule)[:2], getattr(gw.scenes.CLASSES[kind], rule)[2] or turns)
+        texts.add(scene.text())
+    assert len(texts) == 100
+
+
+def test_the_examples_of_the_documentation():
+    assert doctest.testmod(gw.scenes) == (0, 4)
 
 
 def test_what_is_missed_is_said():

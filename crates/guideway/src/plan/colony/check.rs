@@ -26,3 +26,13 @@ pub fn share(name: &str, value: f64) -> Result<(), PlanError> {
 pub fn positive(name: &str, value: f64) -> Result<(), PlanError> {
     if value > 0.0 && value <= 1e9 { Ok(()) } else { Err(PlanError::bad(name, value, "a number above 0, up to 1e9")) }
 }
+
+/// A probability that is neither 0 nor 1.
+pub fn probability(name: &str, value: f64) -> Result<(), PlanError> {
+    if (1e-9..1.0).contains(&value) { Ok(()) } else { Err(PlanError::bad(name, value, "1e-9 to 1, 1 excluded")) }
+}
+
+/// Two values in order.
+pub fn order(low: &str, least: f64, high: &str, most: f64) -> Result<(), PlanError> {
+    if least <= most { Ok(()) } else { Err(PlanError::bad(low, least, format!("at most `{high}` = {most}"))) }
+}

@@ -8,6 +8,7 @@ mod bidirectional;
 mod check;
 mod crew;
 mod memory;
+mod improved;
 mod mmas;
 mod paged;
 mod pheromone;
@@ -19,6 +20,7 @@ mod walk;
 
 pub use aco::Aco;
 pub use bidirectional::BidirectionalAco;
+pub use improved::{Bounds, Conversion, ImprovedAco, Reading};
 pub use mmas::Mmas;
 pub use rule::Heuristic;
 pub use seed::Seeding;

@@ -39,6 +39,15 @@ pub(in crate::plan) trait Roads: Sync {
     fn distance(&self, a: u32, b: u32) -> f64;
     /// Position of a node, cells.
     fn position(&self, node: u32) -> [f64; 2];
+    /// Puts the nodes near a node and itself into `out`, always in the same order: those within two exits of it.
+    fn around(&self, node: u32, out: &mut Vec<u32>) {
+        let mut near = vec![node];
+        self.visit(node, |exit| near.push(exit.to));
+        out.clone_from(&near);
+        near[1..].iter().for_each(|next| self.visit(*next, |exit| out.push(exit.to)));
+        out.sort_unstable();
+        out.dedup();
+    }
 }
 
 /// The eight directions; direction `7 - k` is opposite to direction `k`.
@@ -113,5 +122,18 @@ impl Roads for Streets<'_> {
     }
     fn position(&self, node: u32) -> [f64; 2] {
         self.cell(node).map(|v| f64::from(v) + 0.5)
+    }
+    /// The free cells of the five by five around a cell.
+    fn around(&self, node: u32, out: &mut Vec<u32>) {
+        let [x, y] = self.cell(node);
+        let [right, top] = [self.lattice.width() - 1, self.lattice.height() - 1];
+        out.clear();
+        for row in y.saturating_sub(2)..=(y + 2).min(top) {
+            for column in x.saturating_sub(2)..=(x + 2).min(right) {
+                if self.lattice.free().at(column, row) {
+                    out.push(self.node([column, row]));
+                }
+            }
+        }
     }
 }

@@ -84,6 +84,11 @@ impl Choices {
         (self.rule, self.target) = (rule, target);
     }
 
+    /// How the ants choose.
+    pub fn rule(&self) -> Rule {
+        self.rule
+    }
+
     /// Where the ants are heading.
     pub fn target(&self) -> u32 {
         self.target

@@ -131,6 +131,21 @@ impl Legs {
         self.taken.pop().is_some()
     }
 
+    /// Forbids a node to this ant.
+    pub fn forbid(&mut self, node: u32) {
+        self.marks[node as usize] = [self.ant, OFF];
+    }
+
+    /// Is a node forbidden to this ant, or did it leave it backwards?
+    pub fn forbidden(&self, node: u32) -> bool {
+        self.marks[node as usize] == [self.ant, OFF]
+    }
+
+    /// The node that the ant came from.
+    pub fn before(&self) -> Option<u32> {
+        self.nodes.len().checked_sub(2).map(|k| self.nodes[k])
+    }
+
     /// From every node of the way, jumps to the latest one that is next to it.
     fn cut_loops(&mut self, roads: &impl Roads) {
         for (k, node) in self.nodes.iter().enumerate() {

@@ -27,7 +27,7 @@ mod tests;
 use super::roads::Roads;
 use super::rule::{Heuristic, Rule};
 use super::walk::Trail;
-use super::{Found, Seeding, Task, aim, check, picture, plan, polish, seed};
+use super::{Found, Seeding, Task, aim, check, memory, plan, polish, seed};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::path::{Path, measure};
@@ -211,8 +211,8 @@ impl ImprovedAco {
         Rule { alpha, beta, heuristic: self.heuristic, greedy: 0.0, uniform: 0.0 }
     }
 
-    /// Runs the colony on the lattice.
-    fn colony(&self, task: &Task, begin: Option<Trail>, ctx: &mut Context) -> Found {
+    /// Runs the colony on the lattice, beginning with a trail that it may have, and with what it remembers.
+    fn colony(&self, task: &Task, begin: Option<Trail>, known: Option<&memory::Leg>, ctx: &mut Context) -> Found {
         let lattice = task.leg.lattice;
         let ground = Ground {
             roads: task.roads,
@@ -223,16 +223,21 @@ impl ImprovedAco {
             polish: &|trail| polish::polish(task, trail),
             cost: &|best| task.cost(best),
         };
-        let (run, stop) = Run::new(self, &ground, begin, ctx).finish(ctx);
-        let mut trace = picture(task.roads, &run.tau);
+        let mut run = Run::new(self, &ground, begin, ctx);
+        if let Some(known) = known {
+            known.spread(task, &mut run.tau, self.least);
+        }
+        let (mut run, stop) = run.finish(ctx);
+        let mut found = Found::new(task, run.best.take(), stop, &run.tau);
+        let trace = &mut found.trace;
         trace["restarts"] = json!(run.restarts);
         trace["again"] = json!(run.again);
         trace["kings"] = json!(run.kings());
         trace["tabu"] = run.tabu.iter().enumerate().filter(|(_, tabu)| **tabu).map(|(node, _)| json!(task.roads.cell(node as u32))).collect();
         if self.o5 {
-            trace["smoothed"] = self.smoothed(task, run.best.as_ref(), ctx);
+            trace["smoothed"] = self.smoothed(task, found.best.as_ref(), ctx);
         }
-        Found { best: run.best, stop, trace }
+        found
     }
 
     /// O5: the path of this leg smoothed, as a record: its length (m), its largest curvature (1/m) and what could not be met.
@@ -258,7 +263,18 @@ impl Planner for ImprovedAco {
         self.validate()?;
         plan(aim(self.preset, query), query, ctx, |task, ctx| {
             let begin = seed::trail(task, self.seeding, ctx)?;
-            Ok(self.colony(task, begin, ctx))
+            Ok(self.colony(task, begin, None, ctx))
+        })
+    }
+
+    /// Repairs the last way with fewer ants and iterations, on the pheromone that was there.
+    fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        self.validate()?;
+        let (ants, iterations) = memory::REPAIR;
+        let quick = Self { ants, iterations, ..*self };
+        plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
+            Some(known) => Ok(quick.colony(task, known.repaired(task), Some(known), ctx)),
+            None => Ok(self.colony(task, seed::trail(task, self.seeding, ctx)?, None, ctx)),
         })
     }
 }

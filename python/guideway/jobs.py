@@ -82,7 +82,9 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     """From a planner's solution to the outcome; ``quick`` leaves out refinement, timing and references."""
     trajectory = solution.trajectory  # of planners that plan path and speed at once: their path stays as it is
     how = "none" if quick or trajectory is not None else job.refine
-    refined = _core.refine(solution.path, query, how, max_curvature=job.max_curvature)
+    from guideway import products  # it builds on this module
+
+    refined = products.refine(job, query, solution, how)
     if job.timing and not quick and trajectory is None:
         trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw)
     certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature)
@@ -103,7 +105,8 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "polyline": _core.polyline(refined.path, query).tolist(),
         "grid_path": None if solution.grid_path is None else solution.grid_path.tolist(),
         "raw_path": _core.polyline(solution.path, query).tolist(),
-        "metrics": _core.measure(refined.path, query),
+        "refine": how,
+        "metrics": products.metrics(refined.path, query, trajectory),
         "search": search_record(solution),
         "reference": reference_record(query, solution, quick, job.observe),
         "certificate": certificate,
@@ -111,6 +114,8 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "trajectory": None if trajectory is None else trajectory_record(trajectory, job.limits),
         "speed_ceiling": None if trajectory is None else _core.ceiling(refined.path, job.limits).tolist(),
     }
+    if refined.candidates:
+        record["candidates"] = refined.candidates
     return Outcome(record, query, solution, refined.path, trajectory)
 
 

@@ -1,17 +1,15 @@
 """The three products of one query: shortest, safest, least energy."""
 
 import json
-from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 
+import guideway as gw
 from guideway import schemas
 from guideway.cli import main
-
-ROOT = Path(__file__).resolve().parents[2]
-SCENE = ROOT / "crates/guideway/tests/scenes/pso-aco-1.txt"
-ENDS = ["--start", "0.5,0.5", "--goal", "19.5,19.5"]
+from guideway.view.report import bundle
 
 
 def run_json(words, capsys):
@@ -22,8 +20,8 @@ def run_json(words, capsys):
     return plan
 
 
-def plan(material, capsys, *more, scene=SCENE):
-    return run_json(["plan", str(scene), *ENDS, "--material", material, *more], capsys)
+def plan(material, capsys, *more, scene="scene:pso-aco-1"):
+    return run_json(["plan", scene, "--material", material, *more], capsys)
 
 
 @pytest.mark.parametrize("planner", ["visibility", "theta-star", "jump-point"])
@@ -51,3 +49,114 @@ def test_the_half_width_comes_from_option_or_scene_and_blocks(tmp_path, capsys):
     assert main(["plan", where, "--half-width", "2.5"]) == 3
     assert main(["plan", where, "--half-width=-1"]) == 2
     assert "half_width" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("scene", "length"), [("scene:pso-aco-1", 15 * 2**0.5 + 8), ("scene:pso-aco-2", 10 * 2**0.5 + 18)])
+def test_the_safest_product_stays_on_the_lattice(scene, length, capsys):
+    record = plan("long", capsys, "--planner", "jump-point", "--refine", "simplify", scene=scene)
+    assert record["metrics"]["length"] == pytest.approx(length, abs=1e-9)
+    assert np.allclose(np.mod(record["polyline"], 1), 0.5)
+
+
+@pytest.mark.parametrize(("scene", "energy"), [("scene:pso-aco-1", 30.1274), ("scene:pso-aco-2", 32.7990)])
+def test_least_energy_is_chosen_among_splines_and_wide_bends(scene, energy, capsys):
+    raw = plan("heavy", capsys, "--planner", "lexicographic", "--refine", "none", scene=scene)
+    assert raw["metrics"]["energy"] == pytest.approx(energy, abs=5e-5)
+    spline = plan("heavy", capsys, "--planner", "lexicographic", "--refine", "bspline", scene=scene)
+    assert spline["metrics"]["length"] < raw["metrics"]["length"]
+    assert len(spline["path"]["control_points"]) >= len(spline["grid_path"])
+    least = plan("heavy", capsys, "--planner", "lexicographic", scene=scene)
+    rows = least["candidates"]
+    assert {row["refine"] for row in rows} == {"smooth", "bspline"}
+    assert [row["drive_energy"] for row in rows if row["chosen"]] == [min(row["drive_energy"] for row in rows)]
+    found = [record["metrics"]["drive_energy"] for record in (least, spline, raw)]
+    assert found == sorted(found)
+    assert found[0] == next(row["drive_energy"] for row in rows if row["chosen"])
+    assert "candidates" not in raw
+
+
+def test_energy_follows_the_motion(capsys):
+    slow = plan("heavy", capsys, "--speed", "0.3")
+    fast = plan("heavy", capsys, "--speed", "1.5")
+    assert slow["metrics"]["drive_energy"] < fast["metrics"]["drive_energy"]
+    assert plan("heavy", capsys, "--no-timing")["metrics"]["drive_energy"] is None
+
+
+def test_a_curvature_limit_comes_before_energy(capsys):
+    free = plan("heavy", capsys, "--planner", "lexicographic")
+    tight = 0.6 * free["metrics"]["max_curvature"]
+    bound = plan("heavy", capsys, "--planner", "lexicographic", "--max-curvature", str(tight))
+    if bound["metrics"]["max_curvature"] > tight * (1 + 1e-6):
+        assert bound["unmet"]
+        assert all(row["max_curvature"] is None or row["max_curvature"] > tight for row in bound["candidates"])
+    else:
+        assert not bound["unmet"]
+
+
+def compare(scene, capsys, *more):
+    return run_json(["plan", scene, "--compare-materials", *more], capsys)
+
+
+def distance(a, b):
+    """Largest distance of the points of ``a`` from the segments of ``b``, m."""
+    a, b = np.asarray(a), np.asarray(b)
+    p, d = b[:-1], np.diff(b, axis=0)
+    t = np.clip(((a[:, None] - p) * d).sum(2) / (d**2).sum(1), 0, 1)
+    return float(np.hypot(*(a[:, None] - p - t[..., None] * d).T).min(axis=0).max())
+
+
+@pytest.mark.parametrize(
+    ("scene", "more", "apart"), [("scene:pso-aco-1", ["--planner", "lexicographic"], 0.4), ("scene:warehouse", ["--half-width", "0.8"], 0.4)]
+)
+def test_three_visibly_different_products_of_one_query(scene, more, apart, capsys):
+    record = compare(scene, capsys, *more)
+    products = record["products"]
+    assert list(products) == ["standard", "long", "heavy"]
+    assert products["standard"]["path"] == record["path"]
+    for name, product in products.items():
+        assert product["query"]["material"] == name
+        assert product["certificate"]["ok"]
+        jsonschema.validate({**record, **product}, schemas.load("plan"))
+    lines = {name: product["polyline"] for name, product in products.items()}
+    for first, second in (("standard", "long"), ("standard", "heavy"), ("long", "heavy")):
+        assert distance(lines[first], lines[second]) > apart, (first, second)
+    figures = {name: product["metrics"] for name, product in products.items()}
+    assert figures["long"]["min_clearance"] == max(found["min_clearance"] for found in figures.values()) >= 0.45
+    assert figures["heavy"]["drive_energy"] == min(found["drive_energy"] for found in figures.values())
+
+
+def test_the_asked_product_is_the_plan_and_the_report_shows_all(tmp_path, capsys):
+    (tmp_path / "plan.json").write_text(json.dumps(compare("scene:pso-aco-1", capsys, "--material", "long")))
+    record = json.loads((tmp_path / "plan.json").read_text())
+    assert record["query"]["material"] == "long"
+    assert record["path"] == record["products"]["long"]["path"]
+    entries = bundle([record])["entries"]
+    assert [entry["label"] for entry in entries] == ["Shortest", "Safest", "Least energy"]
+    assert [entry["data"]["asked"] for entry in entries] == [False, True, False]
+    # Scene 1 has room for no bend that saves more than its way costs, and the report says so.
+    assert record["products"]["heavy"]["path"] == record["products"]["standard"]["path"]
+    assert "least energy" in entries[0]["data"]["warnings"][0]
+    assert main(["view", str(tmp_path / "plan.json"), "--out", str(tmp_path / "view.html")]) == 0
+    assert "Least energy" in (tmp_path / "view.html").read_text()
+
+
+def test_a_product_that_cannot_be_had_is_told_and_spoils_nothing(capsys):
+    record = compare("scene:pso-aco-1", capsys, "--half-width", "0.7")
+    assert record["products"]["long"]["error"] == "StartBlocked"
+    entries = bundle([record])["entries"]
+    assert [entry["label"] for entry in entries] == ["Shortest", "Least energy"]
+    assert any("Safest" in text for text in entries[0]["data"]["warnings"])
+    assert main(["plan", "scene:pso-aco-1", "--compare-materials", "--material", "long", "--half-width", "0.7"]) == 3
+    assert main(["plan", "scene:pso-aco-1", "--compare-materials", "--half-width", "0.7"]) == 0
+    assert "StartBlocked" in capsys.readouterr().out
+
+
+def test_refine_from_python():
+    world = gw.World.load("scene:pso-aco-1")
+    query = gw.Query(world, (0.5, 0.5), (19.5, 19.5), material="heavy")
+    raw = gw.plan(query, "lexicographic").path
+    every, gentle = gw.refine(raw, query, "bspline").path, gw.refine(raw, query, "bspline", spacing=2.0).path
+    assert len(every.control_points) > len(gentle.control_points)
+    assert gw.refine(raw, query, stretch=0.1).path.degree == 3
+    with pytest.raises(gw.BadParameter, match="spacing"):
+        gw.refine(raw, query, "bspline", spacing=-1)

@@ -8,7 +8,7 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-from guideway import _core, jobs, records
+from guideway import _core, jobs, products, records
 from guideway.commands import options
 from guideway.errors import BadParameter
 from guideway.io.types import GridMap, Scene
@@ -49,11 +49,12 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--half-width", type=float, metavar="M", help="half the width of a long load, m (default 0; counts with --material long)")
     where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed (default by material)")
     where.add_argument("--material", metavar="KIND", help="standard (shortest, default), long (safest) or heavy (least energy)")
+    where.add_argument("--compare-materials", action="store_true", help="all three products of the query beside the one asked for")
     where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
     where.add_argument("--thresholds", choices=["inclusive", "strict"], help="reading of map_server thresholds (default that of current Nav2)")
     options.add_method(parser)
     shape = parser.add_argument_group("motion")
-    shape.add_argument("--refine", metavar="HOW", help="none, simplify or smooth (default)")
+    shape.add_argument("--refine", metavar="HOW", help="none, simplify, smooth (default) or bspline")
     shape.add_argument("--max-curvature", type=float, metavar="K", help="largest curvature, 1/m; met where it can be, reported where not")
     for name, letter, about in LIMITS:
         shape.add_argument(f"--{name}", type=float, metavar=letter, help=f"largest {name}, {about}")
@@ -81,7 +82,10 @@ def handle(arguments: argparse.Namespace) -> int:
     options.writable(out, report, arguments.csv, inputs=(arguments.map,))
     try:
         with options.progress_bar() as job.observe:
-            outcome = jobs.run(job, options.folder_of(out))
+            if arguments.compare_materials:
+                outcome = products.compare(job, options.folder_of(out), own=arguments.refine is None and job.refine == "smooth")
+            else:
+                outcome = jobs.run(job, options.folder_of(out))
     except KeyboardInterrupt as interrupt:
         found = getattr(interrupt, "outcome", None)
         if found is not None:
@@ -133,8 +137,8 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     job.budget = replace(job.budget, **given)
     job.threads = arguments.threads
     job.timing = not arguments.no_timing
-    if job.refine not in ("none", "simplify", "smooth"):
-        raise BadParameter(f"--refine {job.refine!r} is not known: one of none, simplify, smooth")
+    if job.refine not in products.REFINEMENTS:
+        raise BadParameter(f"--refine {job.refine!r} is not known: one of {', '.join(products.REFINEMENTS)}")
     return job, arguments.out or (table and table.out), arguments.report or (table and table.report)
 
 
@@ -218,6 +222,7 @@ def summary(record: dict[str, Any]) -> str:
         lines.append(f"motion       {record['trajectory']['duration']:.2f} s in {len(record['trajectory']['pieces'])} pieces")
     lines.append(f"certificate  {'ok' if record['certificate']['ok'] else 'FAILED'}: {len(record['certificate']['checks'])} checks")
     lines.extend(f"not met      {text}" for text in record["unmet"])
+    lines.extend(products.table(record["products"]) if "products" in record else [])
     return "\n".join(lines)
 
 

@@ -17,7 +17,7 @@ from guideway.io.types import Thresholds, Unknown  # isort: skip
 
 CORNERS = ("touch", "clear", "squeeze")
 MATERIALS = ("standard", "long", "heavy")
-REFINEMENTS = ("none", "simplify", "smooth")
+REFINEMENTS = ("none", "simplify", "smooth", "bspline")
 _RESOLUTION = 0.05
 
 

@@ -15,6 +15,7 @@ from PIL import Image
 from guideway.files import write_whole
 
 from .geometry import Array, arc_length, footprint_radius, listed, outline, points
+from .products import expand
 from .profile import robot_footprint
 from .report import is_run, labels
 from .scenery import BLOCKED, SHADE_SIDE, UNKNOWN, Scenery, field_cell, shading, shrink_field, shrink_walls
@@ -71,6 +72,7 @@ def figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, path: st
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError("figures for papers need matplotlib: pip install 'guideway[figures]'") from error
+    results, _ = expand(results, [None] * len(results))
     left, low, right, high = extent(results, world)
     ratio = min(2.0, max(0.4, (high - low) / max(right - left, 1e-9)))
     sheet = Figure(figsize=(6.3, 6.3 * ratio + 0.5), layout="constrained")

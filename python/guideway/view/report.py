@@ -14,6 +14,7 @@ from typing import Any
 from guideway.files import write_whole
 
 from .geometry import listed
+from .products import expand
 from .profile import plan_profile, run_profile
 from .scenery import Scenery, Snapshot, picture
 
@@ -64,7 +65,7 @@ def embed(data: Any) -> str:
 
 def bundle(results: Sequence[Mapping[str, Any]], worlds: Worlds = None) -> dict[str, Any]:
     """All data of the page: ``entries`` (one per result) and ``worlds`` (each once)."""
-    each = per_result(results, worlds)
+    results, each = expand(results, per_result(results, worlds))
     pictures: list[dict[str, Any]] = []
     known: dict[Any, tuple[int, Snapshot]] = {}
     entries: list[dict[str, Any]] = []

@@ -56,7 +56,7 @@ function plain(value) {
 
 const METRICS = {
   length: ["Length", "m"], turns: ["Turns", ""], total_turning: ["Total turning", "rad"], min_clearance: ["Least clearance", "m"],
-  max_curvature: ["Largest curvature", "1/m"], smoothness: ["Smoothness (0 to 1)", ""], energy: ["Energy", "grid units"],
+  max_curvature: ["Largest curvature", "1/m"], smoothness: ["Smoothness (0 to 1)", ""], energy: ["Energy", "grid units"], drive_energy: ["Energy of the drive", "J"],
 };
 const LIMITS = {
   speed: ["Speed", "m/s"], acceleration: ["Acceleration", "m/s\u00b2"], deceleration: ["Deceleration", "m/s\u00b2"], jerk: ["Jerk", "m/s\u00b3"],
@@ -202,6 +202,16 @@ function referenceTable(data) {
   ].filter(Boolean)));
 }
 
+/** What a path of least energy was chosen from, the best first. */
+function candidateTable(data) {
+  const rows = list(data.candidates).map(record).filter((row) => finite(row.drive_energy)).sort((a, b) => a.drive_energy - b.drive_energy);
+  if (!rows.length) return null;
+  const name = (row) => `${row.refine === "bspline" ? `B-spline, ${trimmed(row.spacing)} m` : `${row.stretch ? "Wider" : "Wide"} bends`}${row.room ? `, ${trimmed(row.room)} m more room` : ""}`;
+  const head = make("tr", {}, ...[["", ""], ["Length", "m"], ["Turns", ""], ["Drive", "J"]].map(([text, unit]) => make("th", { scope: "col" }, text, make("small", {}, unit))));
+  const body = rows.map((row) => make("tr", { class: row.chosen ? "active" : null }, make("td", {}, name(row)), make("td", {}, show(row.length)), make("td", {}, plain(row.turns)), make("td", {}, show(row.drive_energy))));
+  return make("div", { class: "scroll" }, make("table", { class: "versus" }, make("thead", {}, head), make("tbody", {}, ...body)));
+}
+
 const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters", "collision", "cancelled", "min_separation"];
 const RUN_NAMES = {
   "separation static": ["Least distance to the building", "m"], "separation movers": ["Least distance to movers", "m"], "tracking tte": ["Off the path, root mean square", "m"], "tracking path_error": ["Off the path, mean", "m"],
@@ -215,6 +225,7 @@ const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(v
 /** Tables of a plan: what came out, the certificate, the distance to the optimum. */
 const planBlocks = ({ data }) => [
   block("Metrics of the plan", tableOf(data.metrics, METRICS)),
+  block("Candidates for least energy", candidateTable(data)),
   block("Certificate", checksOf(record(data.certificate))),
   block("Against the optimum", referenceTable(data)),
 ];
@@ -260,11 +271,18 @@ const COLUMNS = [
   ["Curvature", "1/m", (e) => record(e.data.metrics).max_curvature, show, -1],
 ];
 
+/** Columns for the products of one query: what they are made for. */
+const PRODUCT_COLUMNS = [
+  COLUMNS[0], ["Turns", "", (e) => record(e.data.metrics).turns, String, -1], COLUMNS[3], ["Energy", "units", (e) => record(e.data.metrics).energy, show, -1],
+  ["Drive", "J", (e) => record(e.data.metrics).drive_energy, show, -1], COLUMNS[2], COLUMNS[4], COLUMNS[6],
+];
+
 /** The comparison of several results; `choose(i)` makes one active, `toggle(i, on)` shows or hides it. */
 function fillCompare(host, entries, { active, visible, choose, toggle }) {
   host.hidden = entries.length < 2;
   if (host.hidden) return;
-  const used = COLUMNS.filter(([, , read]) => entries.some((entry) => finite(read(entry))));
+  const products = entries.every((entry) => entry.data.product);
+  const used = (products ? PRODUCT_COLUMNS : COLUMNS).filter(([, , read]) => entries.some((entry) => finite(read(entry))));
   const best = used.map(([, , read, , better]) => {
     const values = entries.filter((entry) => entry.kind === "plan").map(read).filter(finite);
     return values.length > 1 && Math.min(...values) < Math.max(...values) ? (better < 0 ? Math.min(...values) : Math.max(...values)) : NaN;
@@ -284,5 +302,5 @@ function fillCompare(host, entries, { active, visible, choose, toggle }) {
     if (failed) who.append(make("span", { class: "poor" }, entry.kind === "run" ? plain(entry.data.outcome) : "failed"));
     return make("tr", { class: i === active ? "active" : null }, make("td", {}, who), ...cells);
   });
-  host.replaceChildren(make("h2", {}, "Results"), make("div", { class: "scroll" }, make("table", { class: "versus" }, make("thead", {}, head), make("tbody", {}, ...rows))));
+  host.replaceChildren(make("h2", {}, products ? "Products of one query" : "Results"), make("div", { class: "scroll" }, make("table", { class: "versus" }, make("thead", {}, head), make("tbody", {}, ...rows))));
 }

@@ -253,6 +253,13 @@ function swatch(id) {
   return drawing("svg", { viewBox: "0 0 26 12", class: "swatch", "aria-hidden": "true" }, shapes[id]());
 }
 
+/** A line of the legend for one of several plans; a click makes it the one in front. */
+function keyOf(entry) {
+  const line = drawing("path", { d: "M1 6H25", fill: "none", stroke: `var(--entry-${entry.index % 6})`, "stroke-width": STYLE.final.width, "stroke-linecap": "round" });
+  const swatch = drawing("svg", { viewBox: "0 0 26 12", class: "swatch", "aria-hidden": "true" }, line);
+  return make("button", { type: "button", class: "key", "aria-pressed": String(entry === current()), onclick: () => choose(entry.index) }, swatch, entry.label);
+}
+
 function fillLayers() {
   const plans = entries.filter((e) => e.kind === "plan");
   const straight = plans.length > 0 && plans.every((e) => record(e.data.path).degree === 1);
@@ -262,8 +269,9 @@ function fillLayers() {
       map.ask(true);
     } });
     box.checked = state.layers[layer.id];
-    const name = layer.id !== "final" ? layer.name : !plans.length ? "Planned path" : straight ? "Final path" : layer.name;
+    const name = layer.id !== "final" ? layer.name : plans.length > 1 ? "Final paths" : !plans.length ? "Planned path" : straight ? "Final path" : layer.name;
     const row = make("label", {}, box, swatch(layer.id), name);
+    if (layer.id === "final" && plans.length > 1) return [row, ...plans.map(keyOf)];
     const reach = current() && current().world && current().world.shade ? current().world.shade.reach : null;
     return layer.id === "shade" && finite(reach) ? [row, make("div", { class: "ramp" }, "0", make("i", {}), `${show(reach)} m`)] : [row];
   }));
@@ -378,6 +386,8 @@ function start() {
   state.t = Math.max(0, Number((/\bt=([\d.]+)/.exec(location.hash) || [])[1]) || 0);
   const runs = entries.filter((entry) => entry.kind === "run");
   if (runs.length === 1 && partnerOf(runs[0])) state.active = runs[0].index;
+  const asked = entries.find((entry) => entry.data.asked === true);
+  if (asked) state.active = asked.index;
   refresh();
 }
 

@@ -116,7 +116,9 @@ def compare(job: jobs.Job, folder: str | os.PathLike[str], own: bool) -> jobs.Ou
                 raise
             failed[material] = {"error": type(error).__name__, "message": str(error)}
     asked = outcomes[job.material]
-    products = {name: failed.get(name) or _product(outcomes[name].record) for name in MATERIALS}
+    products: dict[str, dict[str, Any]] = {}
+    for name in MATERIALS:
+        products[name] = dict(failed[name]) if name in failed else _product(outcomes[name].record)
     if "path" in products["standard"] and products["standard"]["path"] == products["heavy"].get("path"):
         for name in ("standard", "heavy"):
             products[name]["warnings"] = ["The shortest path is the one of least energy here: no wider bend that was tried saves what its way costs."]

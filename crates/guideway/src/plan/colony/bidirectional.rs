@@ -16,7 +16,7 @@ use super::crew::{Crew, March, best_of, better};
 use super::pheromone::Pheromone;
 use super::rule::{Choices, Heuristic, Rule};
 use super::walk::Trail;
-use super::{Found, Seeding, Task, aim, check, memory, plan, polish, seed};
+use super::{Found, Graph, Seeding, Task, aim, check, memory, plan, polish, seed, sparse};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::plan::{Planner, Preset, Solution};
@@ -61,11 +61,24 @@ pub struct BidirectionalAco {
     pub polish: u64,
     /// Entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never.
     pub restart: f64,
+    /// What the ants walk on. Seeding, polish and memory are of the lattice.
+    pub graph: Graph,
+    /// Do nodes of a sparse graph keep the shortest rest that ants found?
+    pub learning: bool,
 }
 
 impl Default for BidirectionalAco {
     fn default() -> Self {
-        Self { preset: Preset::Default, seeding: Seeding::AnyAngle, loop_cutting: true, elitist: true, polish: 5, restart: 0.02, ..Self::paper() }
+        Self {
+            preset: Preset::Default,
+            seeding: Seeding::AnyAngle,
+            loop_cutting: true,
+            elitist: true,
+            polish: 5,
+            restart: 0.02,
+            learning: true,
+            ..Self::paper()
+        }
     }
 }
 
@@ -89,6 +102,8 @@ impl BidirectionalAco {
             elitist: false,
             polish: 0,
             restart: 0.0,
+            graph: Graph::Lattice,
+            learning: false,
         }
     }
 
@@ -211,17 +226,48 @@ impl BidirectionalAco {
     }
 }
 
+impl BidirectionalAco {
+    /// The same colony on the sparse graph.
+    fn sparse(&self) -> sparse::Settings {
+        sparse::Settings {
+            ants: self.ants,
+            iterations: self.iterations,
+            patience: self.patience,
+            alpha: [self.alpha; 2],
+            beta: [self.beta; 2],
+            greedy: 0.0,
+            evaporation: self.evaporation,
+            deposit: self.deposit,
+            initial: self.initial,
+            bounds: [self.least, self.most],
+            elitist: self.elitist,
+            restart: self.restart,
+            learning: self.learning,
+            focus: if self.learning { sparse::FOCUS } else { 1.0 },
+        }
+    }
+
+    fn on_lattice(&self, task: &Task, ctx: &mut Context) -> Result<Found, PlanError> {
+        let begin = seed::trail(task, self.seeding, ctx)?;
+        Ok(self.colony(task, begin, None, ctx))
+    }
+}
+
 impl Planner for BidirectionalAco {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.validate()?;
-        plan(aim(self.preset, query), query, ctx, |task, ctx| {
-            let begin = seed::trail(task, self.seeding, ctx)?;
-            Ok(self.colony(task, begin, None, ctx))
-        })
+        let aim = aim(self.preset, query);
+        match self.graph {
+            Graph::Lattice => plan(aim, query, ctx, |task, ctx| self.on_lattice(task, ctx)),
+            Graph::Corners => sparse::plan(aim, self.sparse(), query, ctx, |task, ctx| self.on_lattice(task, ctx)),
+        }
     }
 
     fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.validate()?;
+        if self.graph != Graph::Lattice {
+            return self.plan(query, ctx);
+        }
         let (ants, iterations) = memory::REPAIR;
         let quick = Self { ants, iterations, ..*self };
         plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {

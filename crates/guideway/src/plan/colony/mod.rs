@@ -16,6 +16,7 @@ mod polish;
 mod roads;
 mod rule;
 mod seed;
+mod sparse;
 mod walk;
 
 pub use aco::Aco;
@@ -24,6 +25,7 @@ pub use improved::{Bounds, Conversion, ImprovedAco, Reading};
 pub use mmas::Mmas;
 pub use rule::Heuristic;
 pub use seed::Seeding;
+pub use sparse::Graph;
 
 use super::legs::{self, Leg};
 use super::score::Aim;

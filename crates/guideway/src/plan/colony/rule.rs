@@ -71,11 +71,19 @@ pub(in crate::plan) struct Choices {
     target: u32,
     round: u32,
     desks: Paged<Desk>,
+    /// What is left of the shortest way of a node in the distances of its exits; 1: all.
+    focus: f64,
 }
 
 impl Choices {
     pub fn new(roads: &impl Roads, rule: Rule, target: u32) -> Self {
-        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()) }
+        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()), focus: 1.0 }
+    }
+
+    /// Distances count from `1 - focus` of the shortest one of the node on: on long ways all are nearly alike otherwise.
+    pub fn with_focus(mut self, focus: f64) -> Self {
+        self.focus = focus;
+        self
     }
 
     /// Forgets all weights: the pheromone, the rule or the target have changed.
@@ -94,15 +102,24 @@ impl Choices {
         self.target
     }
 
-    /// ln of an exit's weight, not normalised.
-    fn ln(&self, roads: &impl Roads, tau: &Pheromone, exit: Exit) -> f64 {
+    fn distance(&self, roads: &impl Roads, exit: Exit) -> f64 {
         let rest = roads.distance(exit.to, self.target);
-        let distance = match self.rule.heuristic {
+        match self.rule.heuristic {
             Heuristic::Detour => exit.length + rest,
             Heuristic::Goal => rest.max(0.5),
             Heuristic::Step => exit.length,
-        };
-        self.rule.alpha.mul_add(tau.ln(exit), -self.rule.beta * distance.ln())
+        }
+    }
+
+    /// ln of the weights of exits, not normalised; `exits` shows them.
+    fn logs(&self, roads: &impl Roads, tau: &Pheromone, exits: impl Fn(&mut dyn FnMut(Exit)), logs: &mut Vec<f64>) {
+        let mut less = 0.0;
+        if self.focus < 1.0 {
+            let mut least = f64::INFINITY;
+            exits(&mut |exit| least = least.min(self.distance(roads, exit)));
+            less = (1.0 - self.focus) * least;
+        }
+        exits(&mut |exit| logs.push(self.rule.alpha.mul_add(tau.ln(exit), -self.rule.beta * (self.distance(roads, exit) - less).ln())));
     }
 
     /// Weights of all `count` exits of a node, computed if they are not there.
@@ -112,7 +129,7 @@ impl Choices {
         if desk.round.load(Ordering::Acquire) != self.round {
             // Two threads may both come here; they store the same values.
             let mut logs = Vec::with_capacity(count);
-            roads.visit(node, |exit| logs.push(self.ln(roads, tau, exit)));
+            self.logs(roads, tau, |see| roads.visit(node, see), &mut logs);
             let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             for (weight, ln) in weights.iter().zip(logs) {
                 weight.store(((ln - most).exp() as f32).to_bits(), Ordering::Relaxed);
@@ -144,10 +161,12 @@ impl Choices {
     }
 
     fn among(&self, roads: &impl Roads, tau: &Pheromone, ask: &mut Ask) -> f32 {
-        let most = ask.open.iter().map(|open| self.ln(roads, tau, open.exit)).fold(f64::NEG_INFINITY, f64::max);
+        let mut logs = Vec::with_capacity(ask.open.len());
+        self.logs(roads, tau, |see| ask.open.iter().for_each(|open| see(open.exit)), &mut logs);
+        let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut sum = 0.0;
-        for open in ask.open.iter_mut() {
-            open.weight = (self.ln(roads, tau, open.exit) - most).exp() as f32;
+        for (open, ln) in ask.open.iter_mut().zip(logs) {
+            open.weight = (ln - most).exp() as f32;
             sum += open.weight;
         }
         sum

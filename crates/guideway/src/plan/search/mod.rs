@@ -29,6 +29,7 @@ pub use lexicographic::{Lexicographic, Optimum, Stopped, lexicographic};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;
+pub(super) use visibility::runs;
 
 use crate::world::{Cell, Corners, Lattice};
 use std::f64::consts::SQRT_2;

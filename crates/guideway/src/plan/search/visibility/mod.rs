@@ -8,7 +8,7 @@
 mod circles;
 mod leg;
 mod rows;
-mod runs;
+pub(in crate::plan) mod runs;
 mod tangent;
 
 use super::leg::no_path;

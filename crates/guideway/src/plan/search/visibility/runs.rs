@@ -4,7 +4,7 @@ use crate::world::Bits;
 
 /// A maximal free run: cells `a..b` of a row, so the rectangle `[a, b] x [row, row + 1]` is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Run {
+pub(in crate::plan) struct Run {
     /// Left end, cells.
     pub a: i32,
     /// Right end, cells.
@@ -13,7 +13,7 @@ pub(super) struct Run {
 
 /// Is cell `(x, y)` inside and free?
 #[inline]
-pub(super) fn is_free(free: &Bits, x: i32, y: i32) -> bool {
+pub(in crate::plan) fn is_free(free: &Bits, x: i32, y: i32) -> bool {
     x >= 0 && y >= 0 && (x as u32) < free.width() && (y as u32) < free.height() && free.at(x as u32, y as u32)
 }
 
@@ -70,12 +70,12 @@ fn left_end(free: &Bits, y: i32, x: i32) -> i32 {
 }
 
 /// The run that holds the free cell `(x, y)`.
-pub(super) fn run_at(free: &Bits, x: i32, y: i32) -> Run {
+pub(in crate::plan) fn run_at(free: &Bits, x: i32, y: i32) -> Run {
     Run { a: left_end(free, y, x), b: next_blocked(free, y, x) }
 }
 
 /// The runs of row `y` that share more than a point with `[lo, hi]`, left to right; none outside the map.
-pub(super) fn runs_over(free: &Bits, y: i32, lo: f64, hi: f64) -> impl Iterator<Item = Run> + '_ {
+pub(in crate::plan) fn runs_over(free: &Bits, y: i32, lo: f64, hi: f64) -> impl Iterator<Item = Run> + '_ {
     let inside = y >= 0 && (y as u32) < free.height() && lo < hi;
     let mut x = if inside { lo.max(0.0).floor() as i32 } else { i32::MAX };
     let mut first = true;

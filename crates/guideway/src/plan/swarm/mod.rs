@@ -86,6 +86,3 @@ impl<O: Optimizer> Planner for Swarm<O> {
         run::plan(query, ctx, |leg, ctx| search(leg, &self.optimizer, &self.decoding, self.preset.aim(query), ctx))
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -81,9 +81,9 @@ def _candidates(job: jobs.Job, query: _core.Query, solution: _core.Solution) -> 
 
 
 def _raw_paths(job: jobs.Job, query: _core.Query, solution: _core.Solution) -> Iterator[tuple[float, _core.Path]]:
-    """The planner's path and, of any-angle planners, those with more room around obstacles: wide bends cost less speed."""
+    """The planner's path and, of any-angle planners, those with more room around obstacles: wide bends cost less. Not under budgets of time."""
     yield 0.0, solution.path
-    if solution.cells is not None:
+    if solution.cells is not None or job.budget.seconds is not None:
         return
     for room in ROOM:
         wider = replace(job, clearance=job.clearance + room).query()
@@ -111,6 +111,10 @@ def compare(job: jobs.Job, folder: str | os.PathLike[str], own: bool) -> jobs.Ou
     for material in sorted(MATERIALS, key=lambda name: name != job.material):
         try:
             outcomes[material] = jobs.run(replace(job, material=material, refine=OWN[material] if own and lattice else job.refine), folder)
+        except KeyboardInterrupt as interrupt:
+            if job.material in outcomes:
+                interrupt.outcome = outcomes[job.material]  # type: ignore[attr-defined]
+            raise
         except PlanningError as error:
             if material == job.material:
                 raise

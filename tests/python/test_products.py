@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import guideway as gw
-from guideway import schemas
+from guideway import jobs, products, schemas
 from guideway.cli import main
 from guideway.view.report import bundle
 
@@ -110,19 +110,19 @@ def distance(a, b):
 )
 def test_three_visibly_different_products_of_one_query(scene, more, apart, capsys):
     record = compare(scene, capsys, *more)
-    products = record["products"]
-    assert list(products) == ["standard", "long", "heavy"]
-    assert products["standard"]["path"] == record["path"]
-    for name, product in products.items():
+    found = record["products"]
+    assert list(found) == ["standard", "long", "heavy"]
+    assert found["standard"]["path"] == record["path"]
+    for name, product in found.items():
         assert product["query"]["material"] == name
         assert product["certificate"]["ok"]
         jsonschema.validate({**record, **product}, schemas.load("plan"))
-    lines = {name: product["polyline"] for name, product in products.items()}
+    lines = {name: product["polyline"] for name, product in found.items()}
     for first, second in (("standard", "long"), ("standard", "heavy"), ("long", "heavy")):
         assert distance(lines[first], lines[second]) > apart, (first, second)
-    figures = {name: product["metrics"] for name, product in products.items()}
-    assert figures["long"]["min_clearance"] == max(found["min_clearance"] for found in figures.values()) >= 0.45
-    assert figures["heavy"]["drive_energy"] == min(found["drive_energy"] for found in figures.values())
+    figures = {name: product["metrics"] for name, product in found.items()}
+    assert figures["long"]["min_clearance"] == max(each["min_clearance"] for each in figures.values()) >= 0.45
+    assert figures["heavy"]["drive_energy"] == min(each["drive_energy"] for each in figures.values())
 
 
 def test_the_asked_product_is_the_plan_and_the_report_shows_all(tmp_path, capsys):
@@ -160,3 +160,26 @@ def test_refine_from_python():
     assert gw.refine(raw, query, stretch=0.1).path.degree == 3
     with pytest.raises(gw.BadParameter, match="spacing"):
         gw.refine(raw, query, "bspline", spacing=-1)
+
+
+def test_options_that_do_not_go_together_are_told(capsys):
+    assert main(["plan", "scene:pso-aco-1", "--half-width", "0.3", "--no-timing"]) == 0
+    assert "--material long" in capsys.readouterr().err
+    assert main(["plan", "scene:pso-aco-1", "--compare-materials", "--scen", "x.scen"]) == 2
+    assert "--scen" in capsys.readouterr().err
+
+
+def test_interrupted_comparisons_keep_the_plan_that_was_asked_for(monkeypatch):
+    world = gw.World.load("scene:pso-aco-1")
+    job = jobs.Job(world, start=(0.5, 0.5), goal=(19.5, 19.5), material="long")
+    real = jobs.run
+
+    def stopped(each, folder):
+        if each.material != "long":
+            raise KeyboardInterrupt
+        return real(each, folder)
+
+    monkeypatch.setattr(jobs, "run", stopped)
+    with pytest.raises(KeyboardInterrupt) as caught:
+        products.compare(job, ".", own=True)
+    assert caught.value.outcome.record["query"]["material"] == "long"  # type: ignore[attr-defined]

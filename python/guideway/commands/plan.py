@@ -79,6 +79,8 @@ def handle(arguments: argparse.Namespace) -> int:
 
         return run_scenario(arguments)
     job, out, report = job_of(arguments)
+    if arguments.half_width and job.material != "long" and not arguments.compare_materials:
+        options.note("guideway: --half-width counts with --material long only")
     options.writable(out, report, arguments.csv, inputs=(arguments.map,))
     try:
         with options.progress_bar() as job.observe:
@@ -102,6 +104,8 @@ def _check(arguments: argparse.Namespace) -> None:
         options.positive("--" + name.replace("_", "-"), getattr(arguments, name))
     for name in ("seed", "iterations", "evaluations", "limit", "threads"):
         options.count("--" + name, getattr(arguments, name))
+    if arguments.compare_materials and arguments.scen is not None:
+        raise BadParameter("--compare-materials is for one query: leave out --scen")
     if arguments.csv and arguments.no_timing:
         raise BadParameter("--csv needs a motion in time: leave out --no-timing")
     for first, second in (("start", "start_cell"), ("goal", "goal_cell")):

@@ -248,7 +248,7 @@ function fillDetails(host, entry, partner, seek) {
     block("Search", tableOf(search, SEARCH, search.evaluations === 0 ? ["history", "evaluations"] : ["history"]), sparkOf(search.history)),
     block("Limits", tableOf(record(source.trajectory).limits, LIMITS)),
     block("Robot", tableOf(record(data.robot), LIMITS)),
-    block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], arrival: ["Arrived within", "m"] })),
+    block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], half_width: ["Half-width of a long load", "m"], arrival: ["Arrived within", "m"] })),
     block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
   ];
   const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner) : [])] : planBlocks(entry);

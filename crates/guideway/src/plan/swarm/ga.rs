@@ -50,7 +50,18 @@ impl Default for Ga {
     fn default() -> Self {
         let Decoding { keys, walk_limit, stretch, .. } = Decoding::default();
         let preset = Preset::Default;
-        Self { preset, individuals: 50, iterations: 50, crossover: 0.8, mutation: 0.3, piece: 8, patience: 0, keys, walk_limit, stretch }
+        Self {
+            preset,
+            individuals: 50,
+            iterations: 50,
+            crossover: 0.8,
+            mutation: 0.3,
+            piece: 8,
+            patience: super::PATIENCE,
+            keys,
+            walk_limit,
+            stretch,
+        }
     }
 }
 
@@ -58,7 +69,7 @@ impl Ga {
     /// Settings of the comparison in \[han2024\].
     pub fn paper() -> Self {
         let Decoding { keys, walk_limit, stretch, .. } = Decoding::paper();
-        Self { preset: Preset::Paper, keys, walk_limit, stretch, ..Self::default() }
+        Self { preset: Preset::Paper, patience: 0, keys, walk_limit, stretch, ..Self::default() }
     }
 
     fn check(&self) -> Result<(), PlanError> {

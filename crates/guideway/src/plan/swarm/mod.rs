@@ -43,9 +43,31 @@ pub type GroupedPso = Swarm<optimize::GroupedPso>;
 /// Sparrow search on the lattice.
 pub type Sparrow = Swarm<optimize::Sparrow>;
 
-impl<O: Default> Default for Swarm<O> {
+/// Iterations without improvement after which our settings stop.
+const PATIENCE: u64 = 20;
+
+impl<O> Swarm<O> {
+    /// Our settings around an optimizer.
+    fn ours(optimizer: O) -> Self {
+        Self { preset: Preset::Default, decoding: Decoding::default(), optimizer }
+    }
+}
+
+impl Default for Pso {
     fn default() -> Self {
-        Self { preset: Preset::Default, decoding: Decoding::default(), optimizer: O::default() }
+        Self::ours(optimize::Pso { patience: PATIENCE, ..optimize::Pso::default() })
+    }
+}
+
+impl Default for GroupedPso {
+    fn default() -> Self {
+        Self::ours(optimize::GroupedPso::default())
+    }
+}
+
+impl Default for Sparrow {
+    fn default() -> Self {
+        Self::ours(optimize::Sparrow { patience: PATIENCE, ..optimize::Sparrow::default() })
     }
 }
 

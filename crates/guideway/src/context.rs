@@ -195,8 +195,9 @@ impl<'a> Context<'a> {
     pub fn seconds(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
     }
-    /// (iteration, best cost) at each improvement; moved out.
+    /// (iteration, best cost) at each improvement; moved out, and a new record begins.
     pub fn take_history(&mut self) -> Vec<(u64, f64)> {
+        self.best = f64::INFINITY;
         std::mem::take(&mut self.history)
     }
 }

@@ -18,8 +18,6 @@ pub(super) struct Leg<'a> {
     pub goal: Cell,
     /// The points the cells stand for, m.
     pub ends: [Point; 2],
-    /// Length of the legs before this one, m.
-    pub before: f64,
 }
 
 /// The legs planned so far, joined.
@@ -50,7 +48,7 @@ pub(super) fn plan(
         let (Some(start), Some(goal)) = (anchor(query, &lattice, pair[0]), anchor(query, &lattice, pair[1])) else {
             return Err(no_path(query, false, Some("no free cell centre of the lattice is in reach of the start or the goal".into())));
         };
-        let leg = Leg { query, lattice: &lattice, start, goal, ends: [pair[0], pair[1]], before: route.length };
+        let leg = Leg { query, lattice: &lattice, start, goal, ends: [pair[0], pair[1]] };
         let found = solve(&leg, ctx)?;
         route.add(&lattice, &found, pair[1]);
     }
@@ -75,4 +73,18 @@ impl Route {
             self.cells.extend_from_slice(&cells[joint..]);
         }
     }
+}
+
+/// (iteration, cost of the whole route in m) at each improvement, had every leg been stopped at that iteration, from the (iteration, cost in cells) of each
+/// leg and its final cost. The last is the cost of the route where the shortest path is what is asked for.
+pub(super) fn joined(legs: &[(Vec<(u64, f64)>, f64)], cost: f64, resolution: f64) -> Vec<(u64, f64)> {
+    let mut when: Vec<u64> = legs.iter().flat_map(|l| l.0.iter().map(|h| h.0)).collect();
+    when.sort_unstable();
+    when.dedup();
+    // No leg has a path before its first one.
+    let first = legs.iter().filter_map(|l| l.0.first()).map(|h| h.0).max().unwrap_or(0);
+    let at = |l: &(Vec<(u64, f64)>, f64), i: u64| l.0.iter().rev().find(|h| h.0 <= i).map_or(0.0, |h| h.1);
+    let last: f64 = legs.iter().map(|l| l.1).sum();
+    let over = |i: u64| cost + (legs.iter().map(|l| at(l, i)).sum::<f64>() - last) * resolution;
+    when.into_iter().filter(|&i| i >= first).map(|i| (i, over(i))).collect()
 }

@@ -106,7 +106,7 @@ impl Aco {
             }
             Stop::Converged
         };
-        Found::new(task, best, stop, &tau)
+        Found::new(task, best, stop, &tau, ctx)
     }
 }
 

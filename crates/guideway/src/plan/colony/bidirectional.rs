@@ -121,6 +121,12 @@ impl BidirectionalAco {
         Ok(())
     }
 
+    /// A short run from what is remembered.
+    pub(super) fn repair(&self, task: &Task, known: &memory::Leg, ctx: &mut Context) -> Found {
+        let (ants, iterations) = memory::REPAIR;
+        Self { ants, iterations, ..*self }.colony(task, known.repaired(task), Some(known), ctx)
+    }
+
     /// Runs the colony, beginning with a trail that it may have, and with what it remembers.
     pub(super) fn colony(&self, task: &Task, begin: Option<Trail>, known: Option<&memory::Leg>, ctx: &mut Context) -> Found {
         let mut run = Run::new(self, task, begin, ctx);
@@ -146,7 +152,7 @@ impl BidirectionalAco {
             }
             run.restart();
         }
-        let mut found = Found::new(task, run.best, stop, &run.tau);
+        let mut found = Found::new(task, run.best, stop, &run.tau, ctx);
         found.trace["restarts"] = json!(run.restarts);
         found
     }
@@ -268,10 +274,8 @@ impl Planner for BidirectionalAco {
         if self.graph != Graph::Lattice {
             return self.plan(query, ctx);
         }
-        let (ants, iterations) = memory::REPAIR;
-        let quick = Self { ants, iterations, ..*self };
         plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
-            Some(known) => Ok(quick.colony(task, known.repaired(task), Some(known), ctx)),
+            Some(known) => Ok(self.repair(task, known, ctx)),
             None => Ok(self.colony(task, seed::trail(task, self.seeding, ctx)?, None, ctx)),
         })
     }

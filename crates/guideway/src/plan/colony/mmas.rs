@@ -138,7 +138,7 @@ impl Mmas {
             }
             Stop::Converged
         };
-        Found::new(task, best, stop, &tau)
+        Found::new(task, best, stop, &tau, ctx)
     }
 }
 

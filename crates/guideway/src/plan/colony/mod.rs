@@ -54,6 +54,8 @@ pub(super) struct Found {
     /// Best trail, if an ant arrived.
     pub best: Option<Trail>,
     pub stop: Stop,
+    /// (iteration, best cost in cells) at each improvement.
+    pub history: Vec<(u64, f64)>,
     /// For pictures.
     pub trace: Value,
     /// For replanning.
@@ -61,8 +63,25 @@ pub(super) struct Found {
 }
 
 impl Found {
-    pub fn new(task: &Task, best: Option<Trail>, stop: Stop, tau: &Pheromone) -> Self {
-        Self { trace: picture(task.roads, tau), memory: memory::Leg::new(task, tau, best.as_ref()), best, stop }
+    /// With the improvements since the leg began.
+    pub fn new(task: &Task, best: Option<Trail>, stop: Stop, tau: &Pheromone, ctx: &mut Context) -> Self {
+        let mut history = ctx.take_history();
+        if history.is_empty()
+            && let Some(best) = &best
+        {
+            history.push((ctx.iterations(), best.score.cost));
+        }
+        let trace = json!({ "pheromone": picture(task.roads, tau), "convergence": history });
+        Self { trace, memory: memory::Leg::new(task, tau, best.as_ref()), history, best, stop }
+    }
+
+    /// Puts the improvements of a method that went ahead before its own.
+    pub fn precede(&mut self, earlier: impl Iterator<Item = (u64, f64)>) {
+        let mut history: Vec<_> = earlier.collect();
+        let least = history.last().map_or(f64::INFINITY, |h| h.1);
+        history.extend(self.history.iter().filter(|h| h.1 < least));
+        self.history = history;
+        self.trace["convergence"] = json!(self.history);
     }
 }
 
@@ -78,9 +97,9 @@ impl Task<'_> {
         [self.leg.lattice.width(), self.leg.lattice.height()]
     }
 
-    /// Length of the whole way so far if this leg is worth `best`, m.
+    /// Cost of a trail, cells; infinite without one.
     pub fn cost(&self, best: Option<&Trail>) -> f64 {
-        best.map_or(f64::INFINITY, |trail| self.leg.before + trail.score.cost * self.leg.lattice.resolution())
+        best.map_or(f64::INFINITY, |trail| trail.score.cost)
     }
 }
 
@@ -96,16 +115,20 @@ fn plan(
     ctx: &mut Context,
     mut colony: impl FnMut(&Task, &mut Context) -> Result<Found, PlanError>,
 ) -> Result<Solution, PlanError> {
-    let (mut stop, mut traces, mut memory) = (Stop::Converged, Vec::new(), memory::Memory::default());
+    let (mut stop, mut legs, mut traces, mut memory) = (Stop::Converged, Vec::new(), Vec::new(), memory::Memory::default());
     let route = legs::plan(query, ctx, |leg, ctx| {
         // Ants would walk for ever in a closed room. The path of this search is not looked at.
         search::search(Engine::JumpPoint, leg, ctx)?;
         let roads = Streets::new(leg.lattice, query.corners);
         let task = Task { leg, roads: &roads, aim, start: roads.node(leg.start), goal: roads.node(leg.goal) };
-        let found = colony(&task, ctx)?;
+        let first = ctx.iterations();
+        let mut found = colony(&task, ctx)?;
+        found.history.iter_mut().for_each(|h| h.0 = h.0.saturating_sub(first));
         if found.stop != Stop::Converged {
             stop = found.stop;
         }
+        let worth = found.best.as_ref().map_or(f64::INFINITY, |t| t.score.cost);
+        legs.push((found.history, worth));
         traces.push(found.trace);
         memory.push(found.memory);
         match found.best {
@@ -114,7 +137,6 @@ fn plan(
             None => Err(search::no_path(query, false, Some(lost(found.stop).into()))),
         }
     })?;
-    let history = ctx.take_history();
     Ok(Solution {
         path: route.path(),
         cost: route.length,
@@ -124,7 +146,7 @@ fn plan(
         iterations: ctx.iterations(),
         evaluations: ctx.evaluations(),
         seconds: ctx.seconds(),
-        history,
+        history: legs::joined(&legs, route.length, query.world.resolution()),
         trace: json!({ "legs": traces }),
         memory: Some(memory.into_solution()),
     })
@@ -155,7 +177,7 @@ fn picture(roads: &Streets, tau: &Pheromone) -> Value {
         cells.truncate(PICTURE);
     }
     let rows: Vec<_> = cells.into_iter().map(|([x, y], value)| json!([x, y, value])).collect();
-    json!({ "pheromone": rows })
+    Value::Array(rows)
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub(super) struct Leg<'a> {
     pub goal: Cell,
     /// The points the cells stand for, m.
     pub ends: [Point; 2],
+    /// Length of the legs before this one, m.
+    pub before: f64,
 }
 
 /// The legs planned so far, joined.
@@ -48,7 +50,7 @@ pub(super) fn plan(
         let (Some(start), Some(goal)) = (anchor(query, &lattice, pair[0]), anchor(query, &lattice, pair[1])) else {
             return Err(no_path(query, false, Some("no free cell centre of the lattice is in reach of the start or the goal".into())));
         };
-        let leg = Leg { query, lattice: &lattice, start, goal, ends: [pair[0], pair[1]] };
+        let leg = Leg { query, lattice: &lattice, start, goal, ends: [pair[0], pair[1]], before: route.length };
         let found = solve(&leg, ctx)?;
         route.add(&lattice, &found, pair[1]);
     }

@@ -13,6 +13,7 @@ mod mmas;
 mod paged;
 mod pheromone;
 mod polish;
+mod pso_aco;
 mod roads;
 mod rule;
 mod seed;
@@ -23,6 +24,7 @@ pub use aco::Aco;
 pub use bidirectional::BidirectionalAco;
 pub use improved::{Bounds, Conversion, ImprovedAco, Reading};
 pub use mmas::Mmas;
+pub use pso_aco::PsoAco;
 pub use rule::Heuristic;
 pub use seed::Seeding;
 pub use sparse::Graph;
@@ -65,11 +67,11 @@ pub(super) struct Found {
 impl Found {
     /// With the improvements since the leg began.
     pub fn new(task: &Task, best: Option<Trail>, stop: Stop, tau: &Pheromone, ctx: &mut Context) -> Self {
-        let mut history = ctx.take_history();
-        if history.is_empty()
-            && let Some(best) = &best
-        {
-            history.push((ctx.iterations(), best.score.cost));
+        let cells = |m: f64| (m - task.leg.before) / task.leg.lattice.resolution();
+        let mut history: Vec<_> = ctx.take_history().into_iter().map(|(i, m)| (i, cells(m))).collect();
+        if let Some(best) = &best {
+            let when = history.pop().map_or(ctx.iterations(), |last| last.0);
+            history.push((when, best.score.cost));
         }
         let trace = json!({ "pheromone": picture(task.roads, tau), "convergence": history });
         Self { trace, memory: memory::Leg::new(task, tau, best.as_ref()), history, best, stop }
@@ -97,9 +99,9 @@ impl Task<'_> {
         [self.leg.lattice.width(), self.leg.lattice.height()]
     }
 
-    /// Cost of a trail, cells; infinite without one.
+    /// Cost of the route so far if this leg takes a trail, m; infinite without one.
     pub fn cost(&self, best: Option<&Trail>) -> f64 {
-        best.map_or(f64::INFINITY, |trail| trail.score.cost)
+        best.map_or(f64::INFINITY, |trail| self.leg.before + trail.score.cost * self.leg.lattice.resolution())
     }
 }
 

@@ -45,15 +45,8 @@ pub struct PsoAco {
 
 impl Default for PsoAco {
     fn default() -> Self {
-        Self { colony: BidirectionalAco::default(), ..Self::paper() }
-    }
-}
-
-impl PsoAco {
-    /// The settings of the source.
-    pub fn paper() -> Self {
         Self {
-            colony: BidirectionalAco::paper(),
+            colony: BidirectionalAco::default(),
             particles: 50,
             groups: 5,
             swarm_iterations: 50,
@@ -62,6 +55,13 @@ impl PsoAco {
             elite: true,
             second_stage: true,
         }
+    }
+}
+
+impl PsoAco {
+    /// The settings of the source.
+    pub fn paper() -> Self {
+        Self { colony: BidirectionalAco::paper(), ..Self::default() }
     }
 
     fn decoding(&self) -> Decoding {

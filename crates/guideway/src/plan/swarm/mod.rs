@@ -9,7 +9,7 @@ mod way_points;
 
 pub use decoding::{Decoding, Encoding};
 pub use ga::Ga;
-pub(super) use run::search;
+pub(super) use run::{Found, search};
 
 use super::score::Aim;
 use super::{Planner, Preset, Solution};

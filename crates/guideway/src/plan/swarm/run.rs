@@ -128,23 +128,10 @@ pub(super) fn plan(
     let cost = if pruned { path.length() } else { route.length };
     let stop = legs.iter().map(|l| l.stop).find(|s| *s != Stop::Converged).unwrap_or(Stop::Converged);
     let iterations = legs.iter().map(|l| l.iterations).sum();
-    let history = joined(&legs, cost, query.world.resolution());
+    let parts: Vec<_> = legs.iter().map(|l| (l.history.clone(), l.score.cost)).collect();
+    let history = legs::joined(&parts, cost, query.world.resolution());
     let evaluations = legs.iter().map(|l| l.evaluations).sum();
     let trace = json!({ "legs": legs.into_iter().map(|l| l.trace).collect::<Vec<_>>() });
     let cells = (!pruned).then_some(route.cells);
     Ok(Solution { path, cells, cost, trajectory: None, stop, iterations, evaluations, seconds: ctx.seconds(), history, trace, memory: None })
-}
-
-/// (iteration, cost of the whole route in m) at each improvement, had every leg been stopped at that iteration. The cost of the last is that of the path where
-/// the shortest path is what is asked for.
-fn joined(legs: &[Found], cost: f64, resolution: f64) -> Vec<(u64, f64)> {
-    let mut when: Vec<u64> = legs.iter().flat_map(|l| l.history.iter().map(|h| h.0)).collect();
-    when.sort_unstable();
-    when.dedup();
-    // No leg has a path before its first one.
-    let first = legs.iter().filter_map(|l| l.history.first()).map(|h| h.0).max().unwrap_or(0);
-    let at = |l: &Found, i: u64| l.history.iter().rev().find(|h| h.0 <= i).map_or(0.0, |h| h.1);
-    let last: f64 = legs.iter().map(|l| l.score.cost).sum();
-    let over = |i: u64| cost + (legs.iter().map(|l| at(l, i)).sum::<f64>() - last) * resolution;
-    when.into_iter().filter(|&i| i >= first).map(|i| (i, over(i))).collect()
 }

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::sync::Arc;
 
-const PLANNERS: [&str; 2] = ["bidirectional-aco", "pso-aco"];
+const PLANNERS: [&str; 3] = ["bidirectional-aco", "improved-aco", "pso-aco"];
 
 fn world(blocked: &Bits) -> Arc<World> {
     Arc::new(World::from_grid(Grid::new(blocked.clone(), None, 1.0, [0.0; 3]).expect("a grid")))

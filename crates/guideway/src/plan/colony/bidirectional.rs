@@ -122,9 +122,10 @@ impl BidirectionalAco {
     }
 
     /// A short run from what is remembered.
-    pub(super) fn repair(&self, task: &Task, known: &memory::Leg, ctx: &mut Context) -> Found {
+    pub(super) fn repair(&self, task: &Task, known: &memory::Leg, ctx: &mut Context) -> Result<Found, PlanError> {
         let (ants, iterations) = memory::REPAIR;
-        Self { ants, iterations, ..*self }.colony(task, known.repaired(task), Some(known), ctx)
+        let begin = known.begin(task, self.seeding, ctx)?;
+        Ok(Self { ants, iterations, ..*self }.colony(task, begin, Some(known), ctx))
     }
 
     /// Runs the colony, beginning with a trail that it may have, and with what it remembers.
@@ -275,8 +276,8 @@ impl Planner for BidirectionalAco {
             return self.plan(query, ctx);
         }
         plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
-            Some(known) => Ok(self.repair(task, known, ctx)),
-            None => Ok(self.colony(task, seed::trail(task, self.seeding, ctx)?, None, ctx)),
+            Some(known) => self.repair(task, known, ctx),
+            None => self.on_lattice(task, ctx),
         })
     }
 }

@@ -3,10 +3,13 @@
 //! Source: \[lu2025\], section 7. Departures: the last way is bridged where it is blocked by shortest lattice paths and is what the ants have to beat.
 
 use super::Task;
+use super::crew::better;
 use super::pheromone::Pheromone;
 use super::roads::{Exit, Roads};
-use super::seed::along;
+use super::seed::{self, Seeding, along};
 use super::walk::Trail;
+use crate::context::Context;
+use crate::error::PlanError;
 use crate::plan::Solution;
 use crate::plan::search::shortest_cells;
 use crate::world::Cell;
@@ -67,8 +70,13 @@ impl Leg {
         }
     }
 
+    /// The trail that a repair begins with: the remembered way, or the one of the seeding if that is better.
+    pub fn begin(&self, task: &Task, seeding: Seeding, ctx: &mut Context) -> Result<Option<Trail>, PlanError> {
+        Ok(better(self.repaired(task), seed::trail(task, seeding, ctx)?.as_ref()))
+    }
+
     /// The remembered way from the task's start on: from its first cell that is nearest to the start, bridged where it is blocked.
-    pub fn repaired(&self, task: &Task) -> Option<Trail> {
+    fn repaired(&self, task: &Task) -> Option<Trail> {
         let (roads, lattice) = (task.roads, task.leg.lattice);
         let apart = |node: &u32| roads.distance(*node, task.start);
         let nearest = (0..self.way.len()).min_by(|a, b| apart(&self.way[*a]).total_cmp(&apart(&self.way[*b])))?;

@@ -115,7 +115,7 @@ impl Planner for PsoAco {
     fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.colony.validate()?;
         plan(aim(self.colony.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
-            Some(known) => Ok(self.colony.repair(task, known, ctx)),
+            Some(known) => self.colony.repair(task, known, ctx),
             None => self.leg(task, ctx),
         })
     }

@@ -228,7 +228,7 @@ impl ImprovedAco {
             known.spread(task, &mut run.tau, self.least);
         }
         let (mut run, stop) = run.finish(ctx);
-        let mut found = Found::new(task, run.best.take(), stop, &run.tau);
+        let mut found = Found::new(task, run.best.take(), stop, &run.tau, ctx);
         let trace = &mut found.trace;
         trace["restarts"] = json!(run.restarts);
         trace["again"] = json!(run.again);
@@ -267,13 +267,13 @@ impl Planner for ImprovedAco {
         })
     }
 
-    /// Repairs the last way with fewer ants and iterations, on the pheromone that was there.
+    /// Repairs the last way with fewer ants and iterations, with the pheromone that was there.
     fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.validate()?;
         let (ants, iterations) = memory::REPAIR;
         let quick = Self { ants, iterations, ..*self };
         plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {
-            Some(known) => Ok(quick.colony(task, known.repaired(task), Some(known), ctx)),
+            Some(known) => Ok(quick.colony(task, known.begin(task, self.seeding, ctx)?, Some(known), ctx)),
             None => Ok(self.colony(task, seed::trail(task, self.seeding, ctx)?, None, ctx)),
         })
     }

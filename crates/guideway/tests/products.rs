@@ -188,3 +188,25 @@ fn the_simplified_safe_path_stays_on_the_lattice_and_clear() {
         }
     }
 }
+
+#[test]
+fn splines_with_corners_keep_their_promise_under_the_checker() {
+    // A point that is repeated three times evaluates badly near it; the checker saw the curve where it was not.
+    let blocks = [Shape::polygon(vec![[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0]]).unwrap(), Shape::disc([5.0, 3.0], 0.8).unwrap()];
+    let world = Arc::new(World::from_shapes([0.0, 0.0, 8.0, 5.0], blocks.to_vec(), 0.1).unwrap());
+    for radius in [0.0, 0.3] {
+        let mut query = Query::new(world.clone(), [0.5, 0.5], [7.0, 4.0]);
+        (query.via, query.footprint) = (vec![[3.5, 2.5], [4.0, 0.5]], Footprint::Disc(radius));
+        for name in ["visibility", "jump-point", "theta-star"] {
+            let path = BSpline::default().refine(&solve(name, &query).path, &query, &mut Context::new(0)).unwrap().path;
+            assert!(
+                path.degree() == 3 && certify::collision(&path, &query, None).ok,
+                "{name} {radius}: {:?}",
+                certify::collision(&path, &query, None)
+            );
+            let motion = timing::time(&path, &Limits::default(), &TimingOptions::default(), &mut Context::new(0)).unwrap();
+            let checks = certify::motion::motion(&motion, &certify::motion::Asked::default());
+            assert!(checks.iter().all(|check| check.ok), "{name} {radius}: {checks:?}");
+        }
+    }
+}

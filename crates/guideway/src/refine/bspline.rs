@@ -42,15 +42,15 @@ impl Refiner for BSpline {
         if !(self.spacing.is_finite() && (1e-3..=1e6).contains(&self.spacing)) {
             return Err(PlanError::bad("spacing", self.spacing, "0.001 to 1e6 cells"));
         }
-        if path.degree() != 1 || path.length() == 0.0 {
+        if path.degree() != 1 || path.length() <= 0.0 {
             return Ok(Refined { path: path.clone(), unmet: Vec::new() });
         }
         let mut control = self.control(path, query);
         let radius = query.radius();
         loop {
-            let curve = spline(&control)?;
+            let (curve, middles) = spline(&control)?;
             let failed: Vec<f64> = curve.beziers().iter().filter_map(|piece| prove(piece, &query.world, radius).err()).collect();
-            let mut blamed: Vec<usize> = failed.iter().filter_map(|u| blame(&control, *u)).collect();
+            let mut blamed: Vec<usize> = failed.iter().filter_map(|u| blame(&control, &middles, *u)).collect();
             blamed.dedup();
             if blamed.is_empty() || ctx.poll().is_some() {
                 let unmet = unmet(&curve, failed.len());
@@ -81,6 +81,8 @@ impl BSpline {
             Some(stations) => stations.into_iter().map(|s| s.point).collect(),
             None => spaced(&path.points(), spacing),
         };
+        let mut points: Vec<Point> = points;
+        points.dedup();
         let points = at_least_four(points);
         let last = points.len() - 1;
         let bent = |i: usize| i > 0 && i < last && turns(points[i - 1], points[i], points[i + 1]);
@@ -130,7 +132,6 @@ fn even(path: &Path, query: &Query, spacing: f64) -> Vec<Point> {
 
 /// Middles of the longest legs are added until there are enough points for a cubic.
 fn at_least_four(mut points: Vec<Point>) -> Vec<Point> {
-    points.dedup();
     while points.len() < 4 {
         let longest = (1..points.len()).max_by(|a, b| distance(points[a - 1], points[*a]).total_cmp(&distance(points[b - 1], points[*b])));
         let Some(i) = longest else { break };
@@ -139,30 +140,39 @@ fn at_least_four(mut points: Vec<Point>) -> Vec<Point> {
     points
 }
 
-/// The spline; its knots are 0, 1, 2 ... over the control points, repeated ones included.
-fn spline(control: &[Control]) -> Result<Path, PlanError> {
-    let points: Vec<f64> = control.iter().flat_map(|c| std::iter::repeat_n(c.at, usize::from(c.times))).flatten().collect();
-    let n = points.len() / 2;
-    let knots = (0..n + 4).map(|i| i.clamp(3, n) as f64 - 3.0).collect();
-    Path::new(3, 2, knots, points)
+/// The spline, and the knot parameter at which each control point pulls most. A point that counts three times ends one clamped spline and begins the next:
+/// together they are one with a triple knot there, which evaluates better than a point that is repeated. Other knots are 0, 1, 2 ...
+fn spline(control: &[Control]) -> Result<(Path, Vec<f64>), PlanError> {
+    let last = control.len() - 1;
+    let ends: Vec<usize> = (0..=last).filter(|&i| i == 0 || i == last || control[i].times == MOST).collect();
+    let (mut points, mut knots, mut middles, mut offset) = (vec![control[0].at], vec![0.0; 4], vec![0.0], 0.0);
+    for w in ends.windows(2) {
+        let mut section = vec![control[w[0]].at];
+        for (i, c) in control.iter().enumerate().take(w[1] + 1).skip(w[0] + 1) {
+            let times = if i == w[1] { 1 } else { c.times };
+            middles.push(offset + section.len() as f64 - 1.0 + f64::from(times - 1) / 2.0);
+            section.extend(std::iter::repeat_n(c.at, usize::from(times)));
+        }
+        let section = at_least_four(section);
+        let spans = section.len() - 3;
+        points.extend_from_slice(&section[1..]);
+        knots.extend((1..spans).map(|k| offset + k as f64));
+        offset += spans as f64;
+        knots.extend([offset; 3]);
+    }
+    knots.push(offset);
+    Ok((Path::new(3, 2, knots, points.concat())?, middles))
 }
 
-/// The control point to blame for a curve that is not free at knot parameter `u`: of the few that pull there the nearest at which the path turns, else
-/// the nearest. `None` if all of them count three times.
-fn blame(control: &[Control], u: f64) -> Option<usize> {
-    let mut first = 0.0;
-    let mut best: Option<(bool, f64, usize)> = None;
-    for (i, c) in control.iter().enumerate() {
-        // Control point k of all, repeated ones included, pulls most at parameter k - 1.
-        let (times, middle) = (f64::from(c.times), first - 1.0 + f64::from(c.times - 1) / 2.0);
-        first += times;
-        let off = (middle - u).abs();
-        let may = c.times < MOST && i > 0 && i + 1 < control.len() && off < 2.0 + times;
-        if may && best.is_none_or(|(bent, least, _)| (!c.bent, off) < (!bent, least)) {
-            best = Some((c.bent, off, i));
-        }
-    }
-    best.map(|(_, _, i)| i)
+/// The control point to blame for a curve that is not free at knot parameter `u`: the nearest at which the path turns, if it pulls there, else the nearest
+/// of all. `None` if every one counts three times.
+fn blame(control: &[Control], middles: &[f64], u: f64) -> Option<usize> {
+    let off = |i: usize| (middles[i] - u).abs();
+    let may = (1..control.len().saturating_sub(1)).filter(|&i| control[i].times < MOST);
+    may.min_by(|&a, &b| {
+        let rank = |i: usize| !(control[i].bent && off(i) < 2.0 + f64::from(control[i].times));
+        rank(a).cmp(&rank(b)).then(off(a).total_cmp(&off(b)))
+    })
 }
 
 fn unmet(curve: &Path, failed: usize) -> Vec<String> {

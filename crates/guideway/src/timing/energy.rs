@@ -34,7 +34,7 @@ impl Default for Drive {
 impl Drive {
     /// Energy that the motion takes, J. Speeds are sampled every 0.01 s and at the ends of pieces; the energies stored in motion and turning are exact there.
     pub fn energy(&self, motion: &Trajectory) -> f64 {
-        motion.pieces.iter().map(|piece| self.piece(motion, piece)).sum()
+        motion.pieces.iter().fold(0.0, |sum, piece| sum + self.piece(motion, piece)) // an empty sum would be -0
     }
 
     fn piece(&self, motion: &Trajectory, piece: &Piece) -> f64 {
@@ -94,6 +94,7 @@ mod tests {
 
     #[test]
     fn no_motion_costs_nothing() {
+        assert!(energy(&[[1.0, 1.0]], &Limits::default()).is_sign_positive());
         assert_eq!(energy(&[[1.0, 1.0]], &Limits::default()), 0.0);
     }
 }

@@ -42,7 +42,11 @@ fn where_the_curve_would_cut_a_corner_a_cell_counts_twice_or_three_times() {
     // A path that touches the corner itself can only turn in place there.
     let taut = [[2.0, 0.5], [3.0, 3.0], [9.5, 3.0]];
     let found = refined(&Query::new(world, taut[0], taut[2]), &taut);
-    assert_eq!((found.path.points().iter().filter(|p| **p == taut[1]).count(), found.path.corners().len(), found.unmet.len()), (3, 1, 1));
+    let triple = |k: &&[f64]| k[0] == k[2];
+    assert_eq!(
+        (found.path.knots()[4..found.path.count()].windows(3).filter(triple).count(), found.path.corners().len(), found.unmet.len()),
+        (1, 1, 1)
+    );
 }
 
 #[test]
@@ -50,8 +54,8 @@ fn via_points_are_passed_exactly() {
     let mut query = Query::new(open_world(), [0.5, 0.5], [8.5, 0.5]);
     query.via = vec![[4.5, 4.5]];
     let found = refined(&query, &[[0.5, 0.5], [4.5, 4.5], [8.5, 0.5]]);
-    assert!(found.path.points().iter().filter(|p| **p == [4.5, 4.5]).count() == 3);
-    assert_eq!(found.unmet.len(), 1);
+    assert!(found.path.points().contains(&[4.5, 4.5]) && found.path.project([4.5, 4.5], 0.0, 20.0).1 < 1e-9);
+    assert_eq!((found.path.corners().len(), found.unmet.len()), (1, 1));
     query.via = vec![[3.5, 3.5]];
     let found = refined(&query, &[[0.5, 0.5], [5.5, 5.5], [8.5, 0.5]]);
     let (s, miss) = found.path.project([3.5, 3.5], 0.0, 9.0);
@@ -75,6 +79,6 @@ proptest! {
     fn a_spline_is_never_longer_than_its_polygon(points in proptest::collection::vec((-9.0..9.0, -9.0..9.0), 4..30), times in proptest::collection::vec(1u8..4, 30)) {
         let control: Vec<Control> = points.iter().zip(&times).map(|(p, t)| Control { at: [p.0, p.1], times: *t, bent: true }).collect();
         let polygon: f64 = control.windows(2).map(|w| distance(w[0].at, w[1].at)).sum();
-        prop_assert!(spline(&control).unwrap().length() <= polygon * (1.0 + 1e-9));
+        prop_assert!(spline(&control).unwrap().0.length() <= polygon * (1.0 + 1e-9));
     }
 }

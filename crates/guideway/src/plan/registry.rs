@@ -111,6 +111,8 @@ pub const REGISTRY: &[Entry] = &[
             ("king_cutting", "cut loops out of the ways of kings"),
             ("polish", "iterations without improvement after which local search works on the best trails; 0: never"),
             ("restart", "entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never"),
+            ("graph", "what ants walk on: lattice | corners (any angle)"),
+            ("learning", "nodes of a sparse graph keep the shortest rest that ants found"),
         ],
         paper
     ),

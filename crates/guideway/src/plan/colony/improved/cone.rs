@@ -8,7 +8,7 @@ const SLOPE: f64 = 0.09;
 
 /// The cone between two nodes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cone {
+pub(in crate::plan::colony) struct Cone {
     reading: Reading,
     start: [f64; 2],
     goal: [f64; 2],

@@ -17,7 +17,7 @@ const KING: f64 = 2.0;
 
 /// What an ant does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub(in crate::plan::colony) enum Role {
     Soldier,
     King,
 }
@@ -38,20 +38,20 @@ impl Role {
 }
 
 /// Roles of the first generation: soldiers first.
-pub(super) fn roles(ants: usize) -> Vec<Role> {
+pub(in crate::plan::colony) fn roles(ants: usize) -> Vec<Role> {
     let soldiers = (SOLDIERS * ants as f64).round() as usize;
     (0..ants).map(|ant| if ant < soldiers { Role::Soldier } else { Role::King }).collect()
 }
 
 /// Probability that a soldier becomes a king: `S^2 / (S^2 + theta^2)` with `S = n/N` and `theta = clip(1 - sigma / mean, 0.1, 1)`. (3), (4)
-pub(super) fn change(progress: f64, mean: f64, deviation: f64) -> f64 {
+pub(in crate::plan::colony) fn change(progress: f64, mean: f64, deviation: f64) -> f64 {
     let varied = if mean > 0.0 { deviation / mean } else { 0.0 };
     let (stimulus, threshold) = (progress, (1.0 - varied).clamp(0.1, 1.0));
     stimulus * stimulus / (stimulus * stimulus + threshold * threshold)
 }
 
 /// What the conversion of an iteration looks at.
-pub(super) struct Signs {
+pub(in crate::plan::colony) struct Signs {
     /// Share of the iterations that are over.
     pub progress: f64,
     /// Mean length of the ants, cells.
@@ -63,7 +63,7 @@ pub(super) struct Signs {
 }
 
 /// Changes roles at the end of an iteration.
-pub(super) fn convert(roles: &mut [Role], conversion: Conversion, signs: &Signs, rng: &mut impl Rng) {
+pub(in crate::plan::colony) fn convert(roles: &mut [Role], conversion: Conversion, signs: &Signs, rng: &mut impl Rng) {
     let soldiers = roles.iter().filter(|r| **r == Role::Soldier).count();
     let most = (RATE * soldiers as f64).ceil() as usize;
     match conversion {
@@ -91,7 +91,7 @@ fn promote<R: Rng>(roles: &mut [Role], most: usize, mut chosen: impl FnMut(&mut 
 }
 
 /// Mean and standard deviation of the lengths of a generation. Ants that were abandoned count with the mean.
-pub(super) fn statistics(lengths: &[f64], ants: usize) -> [f64; 2] {
+pub(in crate::plan::colony) fn statistics(lengths: &[f64], ants: usize) -> [f64; 2] {
     if lengths.is_empty() {
         return [0.0; 2];
     }

@@ -17,9 +17,9 @@
 //! With all six off this is the ant system. O5 leaves the lattice path alone and puts the smoothed one into the trace: the path of a plan is smoothed
 //! by a refiner. `heuristic`, `bounds=max-min`, `conversion=entropy`, `polish`, `restart`, `seeding` and the cutting of loops are ours.
 
-mod cone;
+pub(super) mod cone;
 mod deadlock;
-mod labour;
+pub(super) mod labour;
 mod run;
 #[cfg(test)]
 mod tests;
@@ -27,7 +27,7 @@ mod tests;
 use super::roads::Roads;
 use super::rule::{Heuristic, Rule};
 use super::walk::Trail;
-use super::{Found, Seeding, Task, aim, check, memory, plan, polish, seed};
+use super::{Found, Graph, Seeding, Task, aim, check, memory, plan, polish, seed, sparse};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::path::{Path, measure};
@@ -135,6 +135,10 @@ pub struct ImprovedAco {
     pub polish: u64,
     /// Entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never.
     pub restart: f64,
+    /// What the ants walk on. On corners O4 is the rollback that all ants have, and O5, seeding, polish and memory are left out.
+    pub graph: Graph,
+    /// Do nodes of a sparse graph keep the shortest rest that ants found?
+    pub learning: bool,
 }
 
 impl Default for ImprovedAco {
@@ -147,6 +151,7 @@ impl Default for ImprovedAco {
             loop_cutting: true,
             polish: 5,
             restart: 0.02,
+            learning: true,
             ..Self::paper()
         }
     }
@@ -186,6 +191,8 @@ impl ImprovedAco {
             king_cutting: false,
             polish: 0,
             restart: 0.0,
+            graph: Graph::Lattice,
+            learning: false,
         }
     }
 
@@ -209,6 +216,33 @@ impl ImprovedAco {
         let grown = |range: [f64; 2]| range[0] + (range[1] - range[0]) * progress * progress; // (2), in closed form
         let (alpha, beta) = if self.o2 { (grown(self.alpha_range), grown(self.beta_range)) } else { (self.alpha, self.beta) };
         Rule { alpha, beta, heuristic: self.heuristic, greedy: 0.0, uniform: 0.0 }
+    }
+
+    /// The same colony on the sparse graph.
+    fn sparse(&self) -> sparse::Settings {
+        let [first, last] = [self.rule(0.0), self.rule(1.0)];
+        sparse::Settings {
+            ants: self.ants,
+            iterations: self.iterations,
+            patience: sparse::PATIENCE,
+            alpha: [first.alpha, last.alpha],
+            beta: [first.beta, last.beta],
+            labour: self.o3.then_some(self.conversion),
+            evaporation: self.evaporation,
+            deposit: self.deposit,
+            initial: self.initial,
+            cone: self.o1.then_some((self.o1_reading, self.cone)),
+            bounds: [self.least, self.most],
+            elitist: self.o6,
+            restart: self.restart,
+            learning: self.learning,
+            focus: if self.learning { sparse::FOCUS } else { 1.0 },
+        }
+    }
+
+    fn on_lattice(&self, task: &Task, ctx: &mut Context) -> Result<Found, PlanError> {
+        let begin = seed::trail(task, self.seeding, ctx)?;
+        Ok(self.colony(task, begin, None, ctx))
     }
 
     /// Runs the colony on the lattice, beginning with a trail that it may have, and with what it remembers.
@@ -261,15 +295,19 @@ impl ImprovedAco {
 impl Planner for ImprovedAco {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.validate()?;
-        plan(aim(self.preset, query), query, ctx, |task, ctx| {
-            let begin = seed::trail(task, self.seeding, ctx)?;
-            Ok(self.colony(task, begin, None, ctx))
-        })
+        let aim = aim(self.preset, query);
+        match self.graph {
+            Graph::Lattice => plan(aim, query, ctx, |task, ctx| self.on_lattice(task, ctx)),
+            Graph::Corners => sparse::plan(aim, self.sparse(), query, ctx, |task, ctx| self.on_lattice(task, ctx)),
+        }
     }
 
     /// Repairs the last way with fewer ants and iterations, with the pheromone that was there.
     fn replan(&self, previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.validate()?;
+        if self.graph != Graph::Lattice {
+            return self.plan(query, ctx);
+        }
         let (ants, iterations) = memory::REPAIR;
         let quick = Self { ants, iterations, ..*self };
         plan(aim(self.preset, query), query, ctx, |task, ctx| match memory::Memory::recall(previous, task) {

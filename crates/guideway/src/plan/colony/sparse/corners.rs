@@ -72,6 +72,11 @@ impl<'a> Corners<'a> {
         self.spots.len()
     }
 
+    /// Longer side of the map, cells.
+    pub fn side(&self) -> f64 {
+        f64::from(self.free.width().max(self.free.height()))
+    }
+
     /// Most exits of a node.
     pub fn most(&self) -> usize {
         1 << self.shift

@@ -14,6 +14,7 @@ mod ground;
 mod scan;
 mod tails;
 
+use super::improved::{Conversion, Reading};
 use super::walk::Trail;
 use super::{Found, Task, lost};
 use crate::Point;
@@ -55,11 +56,13 @@ pub(super) struct Settings {
     /// Exponents of the pheromone and the heuristic, first and last.
     pub alpha: [f64; 2],
     pub beta: [f64; 2],
-    /// Share of choices that take the best exit.
-    pub greedy: f64,
+    /// How soldiers become kings, with division of labour.
+    pub labour: Option<Conversion>,
     pub evaporation: f64,
     pub deposit: f64,
     pub initial: f64,
+    /// Form and mean of the initial concentration, if it falls with the distance from the straight line.
+    pub cone: Option<(Reading, f64)>,
     pub bounds: [f64; 2],
     pub elitist: bool,
     pub restart: f64,
@@ -68,6 +71,9 @@ pub(super) struct Settings {
     /// See [`super::rule::Choices::with_focus`].
     pub focus: f64,
 }
+
+/// Iterations without improvement after which colonies stop that have no such parameter.
+pub(super) const PATIENCE: u64 = 15;
 
 /// Share of the shortest way that counts in the choice of an exit.
 pub(super) const FOCUS: f64 = 0.02;

@@ -84,9 +84,13 @@ fn the_graph_holds_an_optimal_path_and_every_edge_is_free() {
 }
 
 fn colony(parameters: &Value) -> Box<dyn Planner> {
+    named("bidirectional-aco", parameters)
+}
+
+fn named(name: &str, parameters: &Value) -> Box<dyn Planner> {
     let mut all = json!({ "graph": "corners" });
     all.as_object_mut().unwrap().extend(parameters.as_object().unwrap().clone());
-    planner("bidirectional-aco", all).unwrap()
+    planner(name, all).unwrap()
 }
 
 #[test]
@@ -98,9 +102,8 @@ fn ways_are_free_never_below_the_optimum_and_near_it() {
         if seed % 2 == 1 {
             query.footprint = Footprint::Disc(0.2 + 0.01 * seed as f64);
         }
-        let (Ok(exact), Ok(found)) =
-            (Visibility::default().plan(&query, &mut Context::new(0)), colony(&json!({})).plan(&query, &mut Context::new(seed)))
-        else {
+        let method = named(["bidirectional-aco", "improved-aco"][seed as usize / 2 % 2], &json!({ "seeding": "off" }));
+        let (Ok(exact), Ok(found)) = (Visibility::default().plan(&query, &mut Context::new(0)), method.plan(&query, &mut Context::new(seed))) else {
             continue;
         };
         assert!(certify::collision(&found.path, &query, None).ok, "seed {seed}");
@@ -121,8 +124,8 @@ fn ways_are_free_never_below_the_optimum_and_near_it() {
 fn threads_and_seeds_and_budgets() {
     let world = world(noise(3, [60, 60], 20));
     let query = across(&world, 0.5);
-    for parameters in [json!({}), json!({ "learning": false })] {
-        let run = |threads| colony(&parameters).plan(&query, &mut Context::new(5).with_threads(threads)).unwrap();
+    for (name, parameters) in [("bidirectional-aco", json!({})), ("bidirectional-aco", json!({ "learning": false })), ("improved-aco", json!({}))] {
+        let run = |threads| named(name, &parameters).plan(&query, &mut Context::new(5).with_threads(threads)).unwrap();
         let (a, b) = (run(1), run(2));
         assert_eq!((a.path, a.cost.to_bits(), a.iterations, a.evaluations), (b.path, b.cost.to_bits(), b.iterations, b.evaluations));
     }

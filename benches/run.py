@@ -12,6 +12,7 @@ STEPS = {
     "Grid search beside nano-astar": [sys.executable, "benches/grid.py"],
     "Distance transform beside SciPy": [sys.executable, "benches/distance.py"],
     "S-curve beside rsruckig": ["cargo", "run", "--quiet", "--release", "--package", "peers-rs"],
+    "Ants on corners beside the any-angle optimum": [sys.executable, "benches/sparse_ants.py", "--seeds", "3"],
     "The whole plan of a warehouse": [sys.executable, "benches/whole_plan.py"],
 }
 

@@ -4,9 +4,9 @@ Run with a release build of guideway:
 
     GUIDEWAY_DATA=../shared/data python benches/sparse_ants.py [--seeds 10] [--queries 30] [--planner improved-aco] [--radius 0.3]
 
-Queries: of each Moving AI scenario the longest row and random ones; in the warehouse random pairs of free cells, half of them the longest of many. The robot
-is a point; with `--radius` (m, warehouse only) it is a disc as well. One thread. Times are wall-clock and CPU times of one call of the planner, the world
-being loaded and asked once before. Every path goes through the checker.
+Queries: of each Moving AI scenario the longest row and random ones; in the warehouse random pairs of free places, the longer half of
+twice as many. The robot is a point; with `--radius` (m, warehouse only) it is a disc as well. One thread. Times are wall-clock and CPU
+times of one call of the planner, the world being loaded and asked once before. Every path goes through the checker.
 """
 
 from __future__ import annotations

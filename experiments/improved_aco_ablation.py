@@ -38,6 +38,22 @@ Row = dict[str, Any]
 def rows(preset: str) -> dict[str, tuple[dict[str, Any], str]]:
     """Settings of each row and the row that it is compared with."""
     base: dict[str, Any] = {"preset": preset, "seeding": "off"}
+    if preset == "default":
+        changes: dict[str, dict[str, Any]] = {
+            "with O2": {"o2": True},
+            "with O3": {"o3": True},
+            "without O1": {"o1": False, "initial": 1.0},
+            "without O4": {"o4": False},
+            "without O6": {"o6": False},
+            "without local search": {"polish": 0},
+            "without restart": {"restart": 0.0},
+            "without loop cutting": {"loop_cutting": False},
+            "heuristic of the source": {"heuristic": "goal"},
+            "beta = 5": {"beta": 5.0},
+            "max-min bounds": {"bounds": "max-min"},
+            "scale of the source": {"cone": 1e-4, "least": 1e-6},
+        }
+        return {"default": (base, "default")} | {name: (base | change, "default") for name, change in changes.items()}
     on = dict.fromkeys(SWITCHES, True) | {"o5": False}
     off = dict.fromkeys(SWITCHES, False)
     table: dict[str, tuple[dict[str, Any], str]] = {"ACO": (base | off, "ACO")}
@@ -46,14 +62,10 @@ def rows(preset: str) -> dict[str, tuple[dict[str, Any], str]]:
     table["all six"] = (base | on, "ACO")
     for switch in ("o1", "o2", "o3", "o4", "o6"):
         table[f"all but {switch.upper()}"] = (base | on | {switch: False}, "all six")
-    if preset == "paper":
-        table["+O1 literal"] = (base | off | {"o1": True, "o1_reading": "literal"}, "ACO")
-        table["+O1, mean 1"] = (base | off | {"o1": True, "cone": 1.0}, "ACO")
-        table["all six, O3 at a flat rate"] = (base | on | {"conversion": "rate"}, "all six")
-        table["all six, loops cut"] = (base | on | {"loop_cutting": True}, "all six")
-    else:
-        for name, change in {"polish": {"polish": 0}, "restart": {"restart": 0.0}, "loop cutting": {"loop_cutting": False}}.items():
-            table[f"all but {name}"] = (base | on | change, "all six")
+    table["+O1 literal"] = (base | off | {"o1": True, "o1_reading": "literal"}, "ACO")
+    table["+O1, mean 1"] = (base | off | {"o1": True, "cone": 1.0}, "ACO")
+    table["all six, O3 at a flat rate"] = (base | on | {"conversion": "rate"}, "all six")
+    table["all six, loops cut"] = (base | on | {"loop_cutting": True}, "all six")
     return table
 
 
@@ -144,7 +156,7 @@ def summary(found: list[Row], preset: str) -> str:
         )
         lines.append(f"{head}| {last:.1f} {tail}")
     smooth = [f for f in found if "smoothed_gap" in f]
-    for row in ("ACO", "all six"):
+    for row in ("ACO", "all six", "default"):
         mine = [f for f in smooth if f["row"] == row]
         if mine:
             before, after = (100 * np.mean([f[key] for f in mine]) for key in ("smoothed_raw_gap", "smoothed_gap"))

@@ -109,7 +109,7 @@ pub const REGISTRY: &[Entry] = &[
             ("seeding", "a trail to begin with: off | any-angle | exact"),
             ("loop_cutting", "cut loops out of the ways of ants"),
             ("king_cutting", "cut loops out of the ways of kings"),
-            ("polish", "iterations without improvement after which local search works on the best trails; 0: never"),
+            ("polish", "after every so many iterations without improvement local search works on the best trail of the iteration; 0: never"),
             ("restart", "entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never"),
             ("graph", "what ants walk on: lattice | corners (any angle)"),
             ("learning", "nodes of a sparse graph keep the shortest rest that ants found"),

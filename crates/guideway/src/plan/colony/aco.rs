@@ -96,9 +96,7 @@ impl Aco {
                 };
                 best = better(best, best_of(&trails));
                 tau.evaporate();
-                for trail in &trails {
-                    crew.mark(&mut tau, trail, self.deposit / trail.length.max(1.0)); // (2)
-                }
+                crew.mark_all(&mut tau, trails.iter().map(|trail| (trail, self.deposit / trail.length.max(1.0)))); // (2)
                 choices.renew(rule, task.goal);
                 if let Some(stop) = ctx.tick(task.cost(best.as_ref())) {
                     break 'colony stop;

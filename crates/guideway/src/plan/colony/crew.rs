@@ -122,6 +122,16 @@ impl<'a, R: Roads> Crew<'a, R> {
         }
     }
 
+    /// Adds pheromone along many trails.
+    pub fn mark_all<'t>(&self, tau: &mut Pheromone, trails: impl Iterator<Item = (&'t Trail, f64)>) {
+        for (trail, amount) in trails {
+            for (exit, from) in trail.exits.iter().zip(&trail.nodes) {
+                tau.gather(self.roads, *from, *exit, amount);
+            }
+        }
+        tau.settle(self.roads);
+    }
+
     /// A generation of plain walks; ants that did not arrive are left out.
     pub fn generation(&self, march: &March, tau: &Pheromone, choices: &Choices, ctx: &mut Context) -> Result<Vec<Trail>, Stop> {
         let trails = self.march(march, ctx, |_, legs, rng| self.walk(tau, choices, legs, rng))?;

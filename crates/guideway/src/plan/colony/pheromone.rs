@@ -28,13 +28,25 @@ pub(in crate::plan) struct Pheromone<'a> {
     round: u32,
     /// Rounds in which all trails were drawn towards a concentration, and that concentration.
     smoothed: Vec<(u32, f64)>,
+    /// Sums of what is going to be added, on one slot of each road, and those roads.
+    sums: Paged<f64>,
+    gathered: Vec<(u32, Exit)>,
 }
 
 impl<'a> Pheromone<'a> {
     /// Concentrations from `initial`, kept within `bounds`; an evaporation takes the share `rho`.
     pub fn new(roads: &impl Roads, initial: impl Fn(u32) -> f64 + Sync + 'a, rho: f64, bounds: [f64; 2]) -> Self {
         let slots = Paged::new(roads.slots());
-        Self { slots, initial: Box::new(initial), keep: 1.0 - rho, bounds, round: 0, smoothed: Vec::new() }
+        Self {
+            slots,
+            initial: Box::new(initial),
+            keep: 1.0 - rho,
+            bounds,
+            round: 0,
+            smoothed: Vec::new(),
+            sums: Paged::new(roads.slots()),
+            gathered: Vec::new(),
+        }
     }
 
     /// Concentration on an exit.
@@ -85,6 +97,28 @@ impl<'a> Pheromone<'a> {
             let value = self.within(self.at(exit) + amount);
             self.set(exit.slot, value);
         }
+    }
+
+    /// Adds to a road at the next [`Pheromone::settle`]: many ants that went the same way cost little more than one.
+    pub fn gather(&mut self, roads: &impl Roads, from: u32, exit: Exit, amount: f64) {
+        let slot = exit.slot.min(roads.back(from, exit));
+        if let Some(sum) = self.sums.at_mut(slot as usize) {
+            if *sum == 0.0 {
+                self.gathered.push((from, exit));
+            }
+            *sum += amount;
+        }
+    }
+
+    /// Adds what was gathered, in both directions.
+    pub fn settle(&mut self, roads: &impl Roads) {
+        let mut gathered = std::mem::take(&mut self.gathered);
+        for (from, exit) in gathered.drain(..) {
+            let slot = exit.slot.min(roads.back(from, exit));
+            let amount = self.sums.at_mut(slot as usize).map_or(0.0, std::mem::take);
+            self.deposit(roads, from, exit, amount);
+        }
+        self.gathered = gathered;
     }
 
     /// Sets the concentration of a road, in both directions.
@@ -152,6 +186,13 @@ mod tests {
             if round % 3 != 0 {
                 tau.deposit(&roads, 5, exits[k], 0.4);
                 plain[k] = (plain[k] + 0.4).min(3.0);
+            }
+            if round % 5 == 4 {
+                // Gathered from both ends, added at once.
+                tau.gather(&roads, 5, exits[k], 0.3);
+                tau.gather(&roads, exits[k].to, Exit { to: 5, slot: roads.back(5, exits[k]), ..exits[k] }, 0.2);
+                tau.settle(&roads);
+                plain[k] = (plain[k] + 0.5).min(3.0);
             }
             if round == 31 {
                 tau.smooth(3.0);

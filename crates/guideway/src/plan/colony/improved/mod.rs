@@ -131,7 +131,7 @@ pub struct ImprovedAco {
     pub loop_cutting: bool,
     /// Cut loops out of the ways of kings?
     pub king_cutting: bool,
-    /// Iterations without improvement after which local search works on the best trails; 0: never.
+    /// After every so many iterations without improvement local search works on the best trail of the iteration; 0: never.
     pub polish: u64,
     /// Entropy of the choices along the best trail, 0 to 1, below which the pheromone starts anew; 0: never.
     pub restart: f64,
@@ -145,8 +145,16 @@ impl Default for ImprovedAco {
     fn default() -> Self {
         Self {
             preset: Preset::Default,
+            o2: false,
+            o3: false,
             o5: false,
+            conversion: Conversion::Entropy,
+            beta: 12.0,
+            alpha_range: [1.0, 1.5],
+            beta_range: [8.0, 12.0],
             heuristic: Heuristic::Detour,
+            cone: 1.0,
+            least: 0.01,
             seeding: Seeding::AnyAngle,
             loop_cutting: true,
             polish: 5,

@@ -178,7 +178,8 @@ impl<'a, R: Roads> Run<'a, R> {
     }
 
     fn remember(&mut self, found: Option<&Trail>) {
-        let standing = self.method.polish > 0 && self.still >= self.method.polish;
+        // Not in every iteration: on winding ways local search is dearer than the ants.
+        let standing = self.method.polish > 0 && self.still > 0 && self.still.is_multiple_of(self.method.polish);
         let found = found.map(|t| if standing { (self.ground.polish)(t.clone()) } else { t.clone() });
         let before = self.best.as_ref().map_or(Score::WORST, |t| t.score);
         self.best = better(self.best.take(), found.as_ref());
@@ -199,9 +200,7 @@ impl<'a, R: Roads> Run<'a, R> {
                 self.crew.mark(&mut self.tau, trail, amount(trail));
             }
         } else {
-            for (trail, weight) in trails.iter().zip(weights) {
-                self.crew.mark(&mut self.tau, trail, weight * amount(trail)); // (5)
-            }
+            self.crew.mark_all(&mut self.tau, trails.iter().zip(weights).map(|(trail, weight)| (trail, weight * amount(trail)))); // (5)
         }
         for best in self.best.iter().filter(|_| method.o6) {
             self.crew.mark(&mut self.tau, best, amount(best)); // (5)

@@ -2,15 +2,12 @@
 
 use std::sync::OnceLock;
 
-/// Entries of a page.
-const PAGE: usize = 64;
-
 /// Entries by number, in pages that appear at the first use.
-pub(super) struct Paged<T> {
+pub(super) struct Paged<T, const PAGE: usize = 64> {
     pages: Vec<OnceLock<Box<[T]>>>,
 }
 
-impl<T: Default> Paged<T> {
+impl<T: Default, const PAGE: usize> Paged<T, PAGE> {
     pub fn new(count: usize) -> Self {
         let mut pages = Vec::new();
         pages.resize_with(count.div_ceil(PAGE), OnceLock::new);
@@ -22,12 +19,12 @@ impl<T: Default> Paged<T> {
     }
     /// The entry, for types that are changed through a shared reference.
     pub fn at(&self, at: usize) -> &T {
-        &self.pages[at / PAGE].get_or_init(fresh)[at % PAGE]
+        &self.pages[at / PAGE].get_or_init(fresh::<T, PAGE>)[at % PAGE]
     }
     /// The entry.
     pub fn at_mut(&mut self, at: usize) -> Option<&mut T> {
         let page = &mut self.pages[at / PAGE];
-        page.get_or_init(fresh);
+        page.get_or_init(fresh::<T, PAGE>);
         page.get_mut().map(|page| &mut page[at % PAGE])
     }
     /// Forgets everything.
@@ -41,6 +38,6 @@ impl<T: Default> Paged<T> {
     }
 }
 
-fn fresh<T: Default>() -> Box<[T]> {
+fn fresh<T: Default, const PAGE: usize>() -> Box<[T]> {
     std::iter::repeat_with(T::default).take(PAGE).collect()
 }

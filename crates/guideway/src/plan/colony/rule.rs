@@ -70,7 +70,7 @@ pub(in crate::plan) struct Choices {
     rule: Rule,
     target: u32,
     round: u32,
-    desks: Paged<Desk>,
+    desks: Paged<Desk, 8>,
     /// What is left of the shortest way of a node in the distances of its exits; 1: all.
     focus: f64,
 }

@@ -17,7 +17,7 @@ pub(super) const START: u32 = 0;
 pub(super) const GOAL: u32 = 1;
 
 /// Slots at most: their directory takes some megabytes then.
-const SLOTS: usize = 1 << 24;
+const SLOTS: usize = 1 << 23;
 
 /// Corners of the blocked cells, start and goal. Lengths are in cells of the map it is given.
 pub(in crate::plan) struct Corners<'a> {
@@ -28,9 +28,10 @@ pub(in crate::plan) struct Corners<'a> {
     first: Vec<u32>,
     spots: Vec<[u32; 2]>,
     ends: [Point; 2],
-    /// Corners that the start and the goal see, with their exits, sorted.
-    seen: [Vec<Exit>; 2],
-    exits: Vec<OnceLock<Box<[Exit]>>>,
+    /// Nodes that the start and the goal see, sorted.
+    seen: [Vec<u32>; 2],
+    /// Where the exits of a node lead, sorted: lengths are computed again at every visit, which saves most of the memory.
+    exits: Vec<OnceLock<Box<[u32]>>>,
     /// Slots of a node, as a power of two.
     shift: u32,
     /// What an edge costs beside its length, cells.
@@ -60,8 +61,7 @@ impl<'a> Corners<'a> {
         roads.seen = [START, GOAL].map(|end| roads.seen_from(end, &sees));
         if sees(ends[0], ends[1]) {
             for (from, to) in [(START, GOAL), (GOAL, START)] {
-                let exit = roads.exit(from, to);
-                roads.seen[from as usize].insert(0, exit);
+                roads.seen[from as usize].insert(0, to);
             }
         }
         roads
@@ -86,19 +86,15 @@ impl<'a> Corners<'a> {
         Scene { free: self.free, points: &self.points, squeeze: self.squeeze }
     }
 
-    fn exit(&self, from: u32, to: u32) -> Exit {
-        Exit { to, slot: 0, length: self.distance(from, to) + self.toll, heading: ANY }
-    }
-
-    fn seen_from(&self, end: u32, sees: &impl Fn(Point, Point) -> bool) -> Vec<Exit> {
+    fn seen_from(&self, end: u32, sees: &impl Fn(Point, Point) -> bool) -> Vec<u32> {
         let (root, mut found) = (self.ends[end as usize], Vec::new());
         self.scene().look(root, [[true; 2]; 2], |spot| {
             let at = spot.map(f64::from);
             if at != root && self.taut(spot, [root[0] - at[0], root[1] - at[1]]) && sees(root, at) {
-                found.push(self.exit(end, self.node(spot)));
+                found.push(self.node(spot));
             }
         });
-        found.sort_by_key(|e| e.to);
+        found.sort_unstable();
         found.dedup();
         found
     }
@@ -124,24 +120,21 @@ impl<'a> Corners<'a> {
         self.quadrant(spot).is_none_or(|q| d[0] * q[0] * d[1] * q[1] <= 0.0)
     }
 
-    fn find(&self, node: u32) -> Box<[Exit]> {
+    fn find(&self, node: u32) -> Box<[u32]> {
         let mut found = if let Some(spot) = node.checked_sub(2).map(|k| self.spots[k as usize]) {
             self.corner_exits(node, spot)
         } else {
             self.seen[node as usize].clone()
         };
         if found.len() > self.most() {
-            found.sort_by(|a, b| a.length.total_cmp(&b.length).then(a.to.cmp(&b.to)));
+            found.sort_by(|a, b| self.distance(node, *a).total_cmp(&self.distance(node, *b)).then(a.cmp(b)));
             found.truncate(self.most());
         }
-        found.sort_by_key(|e| e.to);
-        for (k, exit) in found.iter_mut().enumerate() {
-            exit.slot = (node << self.shift) + k as u32;
-        }
+        found.sort_unstable();
         found.into()
     }
 
-    fn corner_exits(&self, node: u32, spot: [u32; 2]) -> Vec<Exit> {
+    fn corner_exits(&self, node: u32, spot: [u32; 2]) -> Vec<u32> {
         let root = spot.map(f64::from);
         // Ways bend towards the blocked quadrant: they leave into the two beside it.
         let sides = self.quadrant(spot).map_or([[true; 2]; 2], |q| {
@@ -152,22 +145,32 @@ impl<'a> Corners<'a> {
         self.scene().look(root, sides, |to| {
             let d = [f64::from(to[0]) - root[0], f64::from(to[1]) - root[1]];
             if to != spot && self.taut(spot, d) && self.taut(to, [-d[0], -d[1]]) {
-                found.push(self.exit(node, self.node(to)));
+                found.push(self.node(to));
             }
         });
-        found.sort_by_key(|e| e.to);
+        found.sort_unstable();
         found.dedup();
         for end in [START, GOAL] {
-            if self.seen[end as usize].binary_search_by_key(&node, |e| e.to).is_ok() {
-                found.push(self.exit(node, end));
+            if self.seen[end as usize].binary_search(&node).is_ok() {
+                found.push(end);
             }
         }
         found
     }
 
-    /// The exits of a node.
-    pub fn of(&self, node: u32) -> &[Exit] {
+    fn ahead(&self, node: u32) -> &[u32] {
         self.exits[node as usize].get_or_init(|| self.find(node))
+    }
+
+    /// The exits of a node.
+    pub fn of(&self, node: u32) -> impl Iterator<Item = Exit> {
+        let exit = move |(k, &to): (usize, &u32)| Exit {
+            to,
+            slot: (node << self.shift) + k as u32,
+            length: self.distance(node, to) + self.toll,
+            heading: ANY,
+        };
+        self.ahead(node).iter().enumerate().map(exit)
     }
 
     /// Nodes whose exits are known.
@@ -184,12 +187,11 @@ impl Roads for Corners<'_> {
         self.exits.len() << self.shift
     }
     fn visit(&self, node: u32, see: impl FnMut(Exit)) {
-        self.of(node).iter().copied().for_each(see);
+        self.of(node).for_each(see);
     }
     fn back(&self, from: u32, exit: Exit) -> u32 {
         // Missing only where too many exits were cut.
-        let exits = self.of(exit.to);
-        exits.binary_search_by_key(&from, |e| e.to).map_or(exit.slot, |k| exits[k].slot)
+        self.ahead(exit.to).binary_search(&from).map_or(exit.slot, |k| (exit.to << self.shift) + k as u32)
     }
     fn distance(&self, a: u32, b: u32) -> f64 {
         let ([ax, ay], [bx, by]) = (self.position(a), self.position(b));

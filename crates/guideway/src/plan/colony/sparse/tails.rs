@@ -74,9 +74,9 @@ impl Tails {
         let (mut nodes, mut exits) = (vec![from], Vec::<Exit>::new());
         while nodes[nodes.len() - 1] != to {
             let here = nodes[nodes.len() - 1];
-            let ahead = roads.of(here).iter().filter(|e| self.rest(e.to, to) < self.rest(here, to));
+            let ahead = roads.of(here).filter(|e| self.rest(e.to, to) < self.rest(here, to));
             let next = ahead.min_by(|a, b| (a.length + self.rest(a.to, to)).total_cmp(&(b.length + self.rest(b.to, to))))?;
-            exits.push(*next);
+            exits.push(next);
             nodes.push(next.to);
         }
         Some(Trail::new(roads, nodes, exits, Aim::Shortest))

@@ -9,6 +9,7 @@ from typing import Any
 
 from guideway import _core
 from guideway.records import Budget, Limits
+from guideway.traces import trace_record
 
 Observer = Callable[[dict[str, Any]], bool]
 
@@ -116,6 +117,8 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     }
     if refined.candidates:
         record["candidates"] = refined.candidates
+    if (trace := trace_record(solution.trace)) is not None:
+        record["trace"] = trace
     return Outcome(record, query, solution, refined.path, trajectory)
 
 

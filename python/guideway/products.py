@@ -22,7 +22,7 @@ SPACING = (0.5, 1.0, 2.0)
 STRETCH = 0.1
 """Share of their legs that the wider of the tried bends may add."""
 PRODUCT = ("query", "refine", "path", "polyline", "grid_path", "raw_path", "metrics", "search", "reference", "certificate", "unmet", "trajectory")
-"""What a product has of its own in ``products`` of ``plan.json``; ``speed_ceiling``, ``candidates`` and ``warnings`` come with it."""
+"""What a product has of its own in ``products`` of ``plan.json``; ``speed_ceiling``, ``candidates``, ``trace`` and ``warnings`` come with it."""
 
 
 @dataclass
@@ -131,7 +131,7 @@ def compare(job: jobs.Job, folder: str | os.PathLike[str], own: bool) -> jobs.Ou
 
 
 def _product(record: dict[str, Any]) -> dict[str, Any]:
-    more = ("speed_ceiling", "candidates")
+    more = ("speed_ceiling", "candidates", "trace")
     return {name: record[name] for name in (*PRODUCT, *more) if name in record}
 
 

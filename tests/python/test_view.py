@@ -155,6 +155,8 @@ POOR = [
         ],
     },
     {**run(), "robot": {"footprint": {"polygon": []}}},
+    plan(trace=7),
+    plan(trace={"legs": [3, {"pheromone": [[1], [0, 0, -1], ["x", 1, 2], [1e9, 0, 1.0], [0, 1e9, 2.0]], "paths": [1, [[1]]]}]}),
 ]
 
 

@@ -3,8 +3,9 @@
 Reads results (the dictionaries of ``plan.json`` and ``run.json``) and a picture of the world; never plans anything itself.
 """
 
+from .course import search_figure
 from .figure import figure, map_png
 from .report import page, report
 from .scenery import Scenery
 
-__all__ = ["Scenery", "figure", "map_png", "page", "report"]
+__all__ = ["Scenery", "figure", "map_png", "page", "report", "search_figure"]

@@ -43,15 +43,15 @@ def map_png(world: Scenery, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def map_pixels(world: Scenery, most: int) -> NDArray[np.uint8]:
-    """The map as ``(height, width, 3)`` colours, row 0 on top, at most ``most`` pixels a side."""
+def map_pixels(world: Scenery, most: int, plain: bool = False) -> NDArray[np.uint8]:
+    """The map as ``(height, width, 3)`` colours, row 0 on top, at most ``most`` pixels a side; ``plain`` without clearance shading."""
     cells, field = world.occupancy(), world.clearance_field()
     if cells is None and field is None:
         raise ValueError("this world has no grid to draw: give it a resolution, or draw its shapes with figure()")
     shape = cells.shape if cells is not None else np.asarray(field).shape
     factor = max(1, -(-max(shape) // most))
     tone = np.ones((-(-shape[0] // factor), -(-shape[1] // factor)))
-    if field is not None and field.size:
+    if field is not None and field.size and not plain:
         small = shrink_field(np.nan_to_num(np.asarray(field), nan=0.0, posinf=0.0, neginf=0.0), factor)
         shaded = shading(np.asarray(field), field_cell(world, cells, field.shape))
         tone = np.sqrt(np.clip(small / (shaded["reach"] if shaded else 1.0), 0, 1))
@@ -67,16 +67,10 @@ def figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, path: st
 
     Needs matplotlib (``pip install guideway[figures]``), raises ``ImportError`` with that advice without it. Returns the two files.
     """
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError("figures for papers need matplotlib: pip install 'guideway[figures]'") from error
     results, _ = expand(results, [None] * len(results))
     left, low, right, high = extent(results, world)
     ratio = min(2.0, max(0.4, (high - low) / max(right - left, 1e-9)))
-    sheet = Figure(figsize=(6.3, 6.3 * ratio + 0.5), layout="constrained")
-    FigureCanvasAgg(sheet)
+    sheet = figure_sheet((6.3, 6.3 * ratio + 0.5))
     axes = sheet.add_subplot()
     if world is not None:
         draw_world(axes, world)
@@ -86,6 +80,18 @@ def figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, path: st
     if axes.get_legend_handles_labels()[0]:
         sheet.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return save(sheet, Path(path))
+
+
+def figure_sheet(size: tuple[float, float]) -> Any:
+    """An empty figure of a size in inches that draws itself without a display."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError("figures for papers need matplotlib: pip install 'guideway[figures]'") from error
+    sheet = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(sheet)
+    return sheet
 
 
 def save(sheet: Any, path: Path) -> list[Path]:
@@ -119,8 +125,8 @@ def final_line(result: Mapping[str, Any]) -> Array:
     return points(result.get("driven"), 3)[:, 1:] if is_run(result) else points(result.get("polyline"))
 
 
-def draw_world(axes: Any, world: Scenery) -> None:
-    """Map image in its frame, and the shapes of a scene."""
+def draw_world(axes: Any, world: Scenery, plain: bool = False) -> None:
+    """Map image in its frame, and the shapes of a scene; ``plain`` without clearance shading."""
     from matplotlib.patches import Circle, Polygon
     from matplotlib.transforms import Affine2D
 
@@ -130,7 +136,7 @@ def draw_world(axes: Any, world: Scenery) -> None:
         cell = field_cell(world, cells, grid.shape)
         x, y, yaw = (float(v) for v in world.origin) if cells is not None else (float(world.bounds[0]), float(world.bounds[1]), 0.0)
         place = Affine2D().rotate(yaw).translate(x, y) + axes.transData
-        image = map_pixels(world, 2 * SHADE_SIDE)
+        image = map_pixels(world, 2 * SHADE_SIDE, plain)
         axes.imshow(image, extent=(0, grid.shape[1] * cell, 0, grid.shape[0] * cell), transform=place, interpolation="nearest", zorder=0)
     wall = tuple(channel / 255 for channel in WALL)
     for shape in world.shapes:

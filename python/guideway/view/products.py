@@ -24,7 +24,7 @@ def products_of(result: Mapping[str, Any]) -> list[Mapping[str, Any]]:
         return [result]
     query = result.get("query")
     material = query.get("material") if isinstance(query, Mapping) else None
-    shared = {key: value for key, value in result.items() if key not in ("products", "candidates", "warnings")}
+    shared = {key: value for key, value in result.items() if key not in ("products", "candidates", "warnings", "trace")}
     found = [(str(name), product) for name, product in products.items() if isinstance(product, Mapping) and "polyline" in product]
     lost = [f"{LABELS.get(name, name)}: {product.get('message')}" for name, product in _failed(products)]
     each = [shared | dict(product) | {"product": name, "label": LABELS.get(name, name), "asked": name == material} for name, product in found]

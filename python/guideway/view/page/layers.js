@@ -2,7 +2,9 @@
 
 const LAYERS = [
   { id: "shade", name: "Clearance shading", on: true },
+  { id: "scent", name: "Pheromone", on: true },
   { id: "grid", name: "Metre grid", on: false },
+  { id: "crowd", name: "Last population", on: true },
   { id: "raw", name: "Planner's raw path", on: true },
   { id: "optimum", name: "Exact optimum", on: true },
   { id: "final", name: "Smoothed path", on: true },

@@ -3,7 +3,7 @@
 const colours = () => {
   const style = getComputedStyle(document.documentElement);
   const named = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "near", "far", "mover", "grid", "halo", "accent", "bad"];
+  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "near", "far", "mover", "grid", "halo", "accent", "bad", "scent-0", "scent-1", "scent-2", "scent-3", "scent-4"];
   return Object.fromEntries(names.map((name) => [name, named(name)]));
 };
 
@@ -110,7 +110,10 @@ function makeMap(canvas, scene, events) {
     ink.fillStyle = world ? colour.void : colour.far;
     ink.fillRect(0, 0, view.width, view.height);
     if (world) drawWorld(ink, world, layers);
+    const lead = now.entries.find((e) => e.leading);
+    if (lead && lead.scent && layers.scent) drawScent(ink, view, lead.scent, colour);
     if (layers.swept) for (const entry of now.entries.filter((e) => e.active)) drawSwept(ink, view, entry, entryColour(entry.index));
+    if (lead && layers.crowd) drawCrowd(ink, view, lead.crowd, colour.ink);
     const ordered = [...now.entries].sort((a, b) => a.active - b.active);
     for (const entry of ordered) drawPaths(ink, entry, layers);
     drawAxes(ink, view, colour, layers.grid);

@@ -176,19 +176,6 @@ function checksOf(certificate) {
   return items.length ? make("ul", { class: "checks" }, ...items) : null;
 }
 
-/** Search history as a small curve of the best cost. */
-function sparkOf(history) {
-  const rows = pointsOf(history);
-  if (rows.length < 3) return null;
-  const [xs, ys] = [rows.map((row) => row[0]), rows.map((row) => row[1])];
-  const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  const at = (row) => [2 + (396 * (row[0] - x0)) / (x1 - x0 || 1), 72 - (66 * (row[1] - y0)) / (y1 - y0 || 1)];
-  const path = rows.map((row, i) => `${i ? "L" : "M"}${at(row).map((v) => v.toFixed(1)).join(" ")}`).join("");
-  const svg = drawing("svg", { viewBox: "0 0 400 76", class: "spark", preserveAspectRatio: "none", role: "img", "aria-label": `Best cost from ${show(y1)} to ${show(y0)}` });
-  svg.append(drawing("path", { d: path, fill: "none", stroke: "var(--accent)", "stroke-width": "1.6", "vector-effect": "non-scaling-stroke", "stroke-linejoin": "round" }));
-  return make("div", {}, svg, make("p", { class: "small" }, `Best cost over the search: ${show(ys[0])} at ${show(xs[0])}, ${show(ys[ys.length - 1])} at ${show(x1)}.`));
-}
-
 function referenceTable(data) {
   const { any_angle_optimum: any, grid_optimum: grid, grid_path_length: own, any_angle_gap: anyGap, grid_gap: gridGap, proved } = record(data.reference);
   const [length, raw] = [record(data.metrics).length, record(data.search).raw_length];
@@ -222,8 +209,9 @@ const STEP_NAMES = { mean: ["Mean", "ms"], p50: ["Half within", "ms"], p95: ["95
 
 const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
 
-/** Tables of a plan: what came out, the certificate, the distance to the optimum. */
-const planBlocks = ({ data }) => [
+/** Tables of a plan: how it was found, what came out, the certificate, the distance to the optimum. */
+const planBlocks = ({ data }, chart) => [
+  block("Best path over the iterations", chart),
   block("Metrics of the plan", tableOf(data.metrics, METRICS)),
   block("Candidates for least energy", candidateTable(data)),
   block("Certificate", checksOf(record(data.certificate))),
@@ -237,7 +225,7 @@ function runBlocks({ data }, seek, skip) {
   return [block("Drive", tableOf(flat(figures), RUN_NAMES)), block("Events", eventList(data.events, seek)), block("Time of one control step", tableOf(steps, STEP_NAMES))];
 }
 
-function fillDetails(host, entry, partner, seek) {
+function fillDetails(host, entry, partner, { seek, shown }) {
   const { data } = entry;
   const source = partner ? partner.data : data;
   const search = record(source.search);
@@ -245,13 +233,13 @@ function fillDetails(host, entry, partner, seek) {
   const planner = { ...Object.fromEntries(named.filter((key) => data[key] !== undefined).map((key) => [key, data[key]])), ...record(data.parameters) };
   const settings = [
     block(entry.kind === "run" ? "Controller" : "Planner", tableOf(planner, {})),
-    block("Search", tableOf(search, SEARCH, search.evaluations === 0 ? ["history", "evaluations"] : ["history"]), sparkOf(search.history)),
+    block("Search", tableOf(search, SEARCH, search.evaluations === 0 ? ["history", "evaluations"] : ["history"])),
     block("Limits", tableOf(record(source.trajectory).limits, LIMITS)),
     block("Robot", tableOf(record(data.robot), LIMITS)),
     block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], half_width: ["Half-width of a long load", "m"], arrival: ["Arrived within", "m"] })),
     block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
   ];
-  const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner) : [])] : planBlocks(entry);
+  const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner, convergenceOf(partner, [])) : [])] : planBlocks(entry, convergenceOf(entry, shown));
   host.replaceChildren(...results.filter(Boolean), make("div", { class: "pair" }, ...settings.filter(Boolean)));
 }
 

@@ -23,6 +23,7 @@ function makeEntry(source, index) {
     world: finite(source.world) ? list(bundle.worlds)[source.world] : null,
     rows: run ? motion.rows.map((row) => [row[1], row[2]]) : pointsOf(data.polyline),
     raw: pointsOf(list(data.raw_path).length ? data.raw_path : data.grid_path), optimum: pointsOf(record(data.reference).path),
+    scent: scentOf(data), crowd: crowdOf(data),
     planned: run ? pointsOf(record(data.plan).polyline) : [], movers: list(data.movers).map(record).map(makeMover), stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
   };
 }
@@ -230,7 +231,7 @@ function plotSpecs() {
 function hasLayer(id) {
   const some = (test) => entries.some(test);
   const tests = {
-    shade: () => some((e) => e.world && e.world.shade), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
+    shade: () => some((e) => e.world && e.world.shade), scent: () => some((e) => e.scent), crowd: () => some((e) => e.crowd.length), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
     points: () => some((e) => e.rows.length > 1), swept: () => some((e) => radiusOf(e.footprint) > 0), driven: () => some((e) => e.kind === "run"), robot: () => some((e) => e.rows.length),
     movers: () => some((e) => e.movers.length), stops: () => some((e) => e.stops.length), grid: () => true,
   };
@@ -244,7 +245,8 @@ function swatch(id) {
   const runColour = () => `var(--entry-${(entries.find((e) => e.kind === "run") || { index: 0 }).index % 6})`;
   const planColour = () => (current() && current().kind === "plan" ? own : `var(--entry-${(entries.find((e) => e.kind === "plan") || { index: 0 }).index % 6})`);
   const shapes = {
-    shade: () => box({ fill: "var(--near)", stroke: "var(--line)" }), grid: () => drawing("path", { d: "M8 0V12M18 0V12M2 3H24M2 9H24", stroke: "var(--faint)", "stroke-width": 1, fill: "none" }),
+    shade: () => box({ fill: "var(--near)", stroke: "var(--line)" }), scent: () => box({ fill: "var(--scent-2)" }),
+    crowd: () => drawing("path", { d: "M1 10C9 10 10 2 25 2M1 10C12 11 16 7 25 2M1 10C5 3 12 1 25 2", fill: "none", stroke: "var(--ink)", "stroke-width": 1.1, opacity: 0.6 }), grid: () => drawing("path", { d: "M8 0V12M18 0V12M2 3H24M2 9H24", stroke: "var(--faint)", "stroke-width": 1, fill: "none" }),
     raw: () => line(STYLE.raw, "var(--soft)"), optimum: () => line(STYLE.optimum, "var(--ink)"), final: () => (entries.some((e) => e.kind === "plan") ? line(STYLE.final, planColour()) : line(STYLE.planned, "var(--soft)")), driven: () => line(STYLE.driven, runColour()),
     points: () => drawing("path", { d: "M2 4h4v4H2zM11 4h4v4H11zM20 4h4v4H20z", fill: planColour() }), swept: () => box({ fill: own, "fill-opacity": 0.2 }),
     robot: () => drawing("path", { d: "M21 6L7 12L10 6L7 0Z", fill: own }), movers: () => box({ fill: "var(--mover)", "fill-opacity": 0.3, stroke: "var(--mover)", "stroke-width": 1.6 }),
@@ -272,6 +274,8 @@ function fillLayers() {
     const name = layer.id !== "final" ? layer.name : plans.length > 1 ? "Final paths" : !plans.length ? "Planned path" : straight ? "Final path" : layer.name;
     const row = make("label", {}, box, swatch(layer.id), name);
     if (layer.id === "final" && plans.length > 1) return [row, ...plans.map(keyOf)];
+    const scent = leading() && leading().scent;
+    if (layer.id === "scent" && scent) return [row, make("div", { class: "ramp scent", title: "Strongest pheromone out of a cell, logarithmic scale" }, plain(Number(scent.low.toPrecision(2))), make("i", {}), plain(Number(scent.high.toPrecision(2))))];
     const reach = current() && current().world && current().world.shade ? current().world.shade.reach : null;
     return layer.id === "shade" && finite(reach) ? [row, make("div", { class: "ramp" }, "0", make("i", {}), `${show(reach)} m`)] : [row];
   }));
@@ -284,7 +288,7 @@ function refresh() {
   fillCompare(byId("compare"), entries, { active: state.active, visible: state.visible, choose, toggle });
   if (entry) {
     fillVerdict(byId("verdict"), entry, partnerOf(entry), entries.length > 1);
-    fillDetails(byId("details"), entry, partnerOf(entry), seek);
+    fillDetails(byId("details"), entry, partnerOf(entry), { seek, shown: shownEntries() });
   }
   fillLayers();
   fillMarks();

@@ -20,6 +20,7 @@ use crate::plan::swarm::{self, Decoding};
 use crate::plan::{Planner, Preset, Solution};
 use crate::query::Query;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Grouped particle swarm and bidirectional ant colony on the lattice.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -101,6 +102,7 @@ impl PsoAco {
         if let Some(swarm) = swarm {
             found.precede(swarm.history.iter().map(|h| (first + h.0, h.1)));
             found.trace["swarm"] = swarm.trace;
+            found.trace["swarm"]["iterations"] = json!(swarm.iterations);
         }
         Ok(found)
     }

@@ -24,14 +24,14 @@ test-slow: $(VENV)/.tested
 lint: $(VENV)/.tested
 	cargo fmt --check
 	cargo clippy --quiet --workspace --all-targets -- -D warnings
-	$(BIN)/ruff format --check python tests benches examples fuzz
-	$(BIN)/ruff check python tests benches examples fuzz
+	$(BIN)/ruff format --check python tests benches examples experiments fuzz
+	$(BIN)/ruff check python tests benches examples experiments fuzz
 	$(BIN)/pyright --pythonpath $(BIN)/python
 
 fmt: $(VENV)/.tested
 	cargo fmt
-	$(BIN)/ruff format python tests benches examples fuzz
-	$(BIN)/ruff check --fix python tests benches examples fuzz
+	$(BIN)/ruff format python tests benches examples experiments fuzz
+	$(BIN)/ruff check --fix python tests benches examples experiments fuzz
 
 bench: $(VENV)/.tested
 	$(BIN)/python -m pip install --quiet -c constraints.txt -r benches/requirements.txt

@@ -4,10 +4,10 @@ Run with a release build of guideway and `pip install -r benches/requirements.tx
 
     python benches/colonies.py [--calls 30] [--maps 3] [--pairs 30] [--peer-seeds 3]
 
-Times are CPU times, medians after three calls to warm up, except those of two threads, which are wall times in pairs. The growth is the slope of
-log t over log n with its 95 % interval over maps; the improved colony runs 50 ants and 100 generations with seeding off, so that it is the ants that work.
-Peer: aco-routing, an ant colony for shortest paths in networkx graphs, pure Python, on the same graph with as many ants and generations. The exact
-search of the same map stands beside.
+Times are CPU times, medians after three calls to warm up, except those of two threads, which are wall times in pairs. The growth is
+the slope of log t over log n with its 95 % interval over maps; the improved colony runs 50 ants and 100 generations with seeding off,
+so that it is the ants that work. Peer: aco-routing, an ant colony for shortest paths in networkx graphs, pure Python, on the same graph
+with as many ants and generations. The exact search of the same map stands beside.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def growth(maps: int, calls: int) -> None:
 
 def threads(pairs: int) -> None:
     """Wall times in pairs, their order changing; the paths of a pair must be the same bytes."""
-    print("\n| improved-aco, 70 x 70 | one thread ms | two threads ms | speed-up, median of pairs | least to most | limit 1.5 |\n|---|---|---|---|---|---|")
+    print("\n| improved-aco, 70 x 70 | one thread ms | two threads ms | speed-up, median | least to most | limit 1.5 |\n|---|---|---|---|---|---|")
     for density in (0.3, 0.7):
         scene = gw.scenes.complexity(70, density, seed=1)
         times: dict[int, list[float]] = {1: [], 2: []}
@@ -105,7 +105,10 @@ def threads(pairs: int) -> None:
         one, two = (1e3 * statistics.median(times[count][2:]) for count in (1, 2))
         middle = statistics.median(ratio)
         verdict = "met" if middle >= 1.5 else "missed"
-        print(f"| {density:.0%} blocked, {pairs} pairs | {one:.1f} | {two:.1f} | {middle:.2f} | {ratio[0]:.2f}-{ratio[-1]:.2f} | {verdict} |", flush=True)
+        print(
+            f"| {density:.0%} blocked, {pairs} pairs | {one:.1f} | {two:.1f} | {middle:.2f} | {ratio[0]:.2f}-{ratio[-1]:.2f} | {verdict} |",
+            flush=True,
+        )
 
 
 def graph_of(scene) -> nx.DiGraph:

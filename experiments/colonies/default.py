@@ -1,6 +1,6 @@
 """The default preset on the two scenes: hits within 50 + 50 iterations, and with 1 + 1 without seeding; the safest product.
 
-    python experiments/colonies/default.py [--seeds 30] [--docs]
+python experiments/colonies/default.py [--seeds 30] [--docs]
 """
 
 from __future__ import annotations
@@ -33,7 +33,16 @@ def line(method: Method, name: str, rows: list[Row]) -> list[str]:
     hits = sum((row["diagonals"], row["straights"], row["turns"]) == want for row in found)
     mean = statistics.mean(row["length"] for row in found)
     turns, last = statistics.mean(row["turns"] for row in found), statistics.mean(row["last"] for row in found)
-    return [name, method.name, f"({want[0]}, {want[1]}), {want[2]}", f"{lengths}/{len(rows)}", f"{hits}/{len(rows)}", f"{mean:.4f}", f"{turns:.2f}", f"{last:.1f}"]
+    return [
+        name,
+        method.name,
+        f"({want[0]}, {want[1]}), {want[2]}",
+        f"{lengths}/{len(rows)}",
+        f"{hits}/{len(rows)}",
+        f"{mean:.4f}",
+        f"{turns:.2f}",
+        f"{last:.1f}",
+    ]
 
 
 def main() -> None:
@@ -43,7 +52,16 @@ def main() -> None:
     parts = [(("scene", name), method, range(asked.seeds)) for name in TARGETS for method in METHODS]
     rows = everything("default", parts, asked.out, asked.workers)
     tables.write_csv(asked.out / "default.csv", rows)
-    head = ["scene", "setting", "target (diagonals, straights), turns", "length hit", "and turns hit", "mean length", "mean turns", "last improvement"]
+    head = [
+        "scene",
+        "setting",
+        "target (diagonals, straights), turns",
+        "length hit",
+        "and turns hit",
+        "mean length",
+        "mean turns",
+        "last improvement",
+    ]
     of = {key: [row for row in rows if (row["scene"], row["method"]) == key] for key in {(row["scene"], row["method"]) for row in rows}}
     text = tables.markdown(head, [line(method, name, of[f"scene-{name}", method.name]) for name in TARGETS for method in METHODS])
     failed = sum(not row["ok"] for row in rows if row["error"] is None)

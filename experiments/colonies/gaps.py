@@ -1,6 +1,6 @@
-"""Gaps to the exact lattice optimum on random calibrated scenes: colonies with seeding and exact fallback off and on, and at equal evaluations beside others.
+"""Gaps to the exact lattice optimum on random calibrated scenes: seeding and exact fallback off and on, equal evaluations beside others.
 
-    python experiments/colonies/gaps.py [--maps 100] [--seeds 30] [--others 10] [--evaluations 5000] [--docs]
+python experiments/colonies/gaps.py [--maps 100] [--seeds 30] [--others 10] [--evaluations 5000] [--docs]
 """
 
 from __future__ import annotations
@@ -60,13 +60,29 @@ def main() -> None:
     rows = everything("gaps", parts, asked.out, asked.workers)
     tables.write_csv(asked.out / "gaps.csv", rows)
     by = {method.name: [row for row in rows if row["method"] == method.name] for members in groups.values() for method in members}
-    words = f"python experiments/colonies/gaps.py --maps {asked.maps} --seeds {asked.seeds} --others {asked.others} --evaluations {asked.evaluations} --docs"
+    numbers = f"--maps {asked.maps} --seeds {asked.seeds} --others {asked.others} --evaluations {asked.evaluations}"
+    words = f"python experiments/colonies/gaps.py {numbers} --docs"
     text = "\n".join([table(groups, by), comparison(groups, by), verdicts(by, rows, asked)])
     tables.publish("gaps", words, text, asked.out, asked.docs)
 
 
 def table(groups: dict[str, list[Method]], by: dict[str, list[Row]]) -> str:
-    head = ["setting", "planner", "runs", "no path", "gap 0 %", "Wilson 95 %", "<= 2 %", "largest gap %", "mean gap %", "+-", "turns above least", "evaluations", "CPU ms", "time ratio"]
+    head = [
+        "setting",
+        "planner",
+        "runs",
+        "no path",
+        "gap 0 %",
+        "Wilson 95 %",
+        "<= 2 %",
+        "largest gap %",
+        "mean gap %",
+        "+-",
+        "turns above least",
+        "evaluations",
+        "CPU ms",
+        "time ratio",
+    ]
     base = statistics.median(row["ms"] for row in by["pso-aco, off"])
     lines = []
     for group, members in groups.items():
@@ -78,12 +94,11 @@ def table(groups: dict[str, list[Method]], by: dict[str, list[Row]]) -> str:
             mean, half = tables.interval([100 * gap for gap in per_map(found, "gap")])
             time = statistics.median(row["ms"] for row in rows)
             near = sum(row["gap"] <= MOST for row in found) / len(rows)
-            lines.append(
-                [group, f"`{method.planner}`", len(rows), len(rows) - len(found), tables.percent(hits / len(rows), 2)]
-                + [f"{100 * low:.1f}-{100 * high:.1f}", tables.percent(near, 2), f"{100 * max(row['gap'] for row in found):.2f}", f"{mean:.3f}", f"{half:.3f}"]
-                + [f"{statistics.mean(row['more_turns'] for row in found):.2f}", f"{statistics.mean(row['evaluations'] for row in found):.0f}"]
-                + [f"{time:.1f}", f"{time / base:.2f}"]
-            )
+            turns, work = (statistics.mean(row[key] for row in found) for key in ("more_turns", "evaluations"))
+            most = max(row["gap"] for row in found)
+            counts = [len(rows), len(rows) - len(found), tables.percent(hits / len(rows), 2), f"{100 * low:.1f}-{100 * high:.1f}"]
+            gaps = [tables.percent(near, 2), f"{100 * most:.2f}", f"{mean:.3f}", f"{half:.3f}"]
+            lines.append([group, f"`{method.planner}`", *counts, *gaps, f"{turns:.2f}", f"{work:.0f}", f"{time:.1f}", f"{time / base:.2f}"])
     return tables.markdown(head, lines)
 
 
@@ -102,10 +117,13 @@ def comparison(groups: dict[str, list[Method]], by: dict[str, list[Row]]) -> str
     mean = {name: per_map([row for row in by[name] if row["error"] is None], "gap") for name in names}
     corrected = tables.holm([tables.signed_rank(mean[ours], mean[other]) if len(mean[ours]) == len(mean[other]) else 1.0 for other in others])
     gaps = {name: [row["gap"] for row in by[name] if row["error"] is None] for name in names}
-    lines = [[f"`{other.split(',')[0]}`", f"{tables.a12(gaps[ours], gaps[other]):.3f}", f"{p:.2g}"] for other, p in zip(others, corrected, strict=True)]
-    return "\nAgainst `pso-aco` at equal evaluations (A12 above 0.5: the other has larger gaps; Wilcoxon signed ranks of the means per map, after Holm):\n\n" + tables.markdown(
-        ["planner", "A12", "p"], lines
+    lines = [
+        [f"`{other.split(',')[0]}`", f"{tables.a12(gaps[ours], gaps[other]):.3f}", f"{p:.2g}"] for other, p in zip(others, corrected, strict=True)
+    ]
+    words = (
+        "Against `pso-aco` at equal evaluations (A12 above 0.5: the other has larger gaps; Wilcoxon signed ranks of the means per map, after Holm):"
     )
+    return f"\n{words}\n\n" + tables.markdown(["planner", "A12", "p"], lines)
 
 
 def verdicts(by: dict[str, list[Row]], rows: list[Row], asked) -> str:
@@ -120,7 +138,9 @@ def verdicts(by: dict[str, list[Row]], rows: list[Row], asked) -> str:
         lines.append(f"`{name}`, off: gap 0 in {100 * share:.2f} %, largest {100 * most:.2f} %: {says} (at least 95 %, never above 2 %).")
         zero = sum(row.get("gap") == 0 for row in on)
         fell = sum(bool(row.get("fallback")) for row in on)
-        lines.append(f"`{name}`, on: gap 0 in {zero} of {len(on)}, the exact path was needed in {fell}: {'holds' if zero == len(on) else 'does not hold'}.")
+        lines.append(
+            f"`{name}`, on: gap 0 in {zero} of {len(on)}, the exact path was needed in {fell}: {'holds' if zero == len(on) else 'does not hold'}."
+        )
     return "\n" + "\n".join(f"* {line}" for line in lines) + "\n"
 
 

@@ -1,6 +1,6 @@
-"""What the sources leave out: which part of PSO-ACO helps, on their scenes and on harder maps, with their settings (preset=paper) at equal evaluations.
+"""What the source leaves out: which part of PSO-ACO helps, on its scenes and on harder maps, preset=paper, equal evaluations.
 
-    python experiments/colonies/harder.py [--maps 6] [--seeds 10] [--evaluations 5000] [--docs]
+python experiments/colonies/harder.py [--maps 6] [--seeds 10] [--evaluations 5000] [--docs]
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Convergence and smoothness of the improved colony beside MMAS and ACO with the settings of Lu and others 2025 (preset=paper).
 
-    python experiments/colonies/improved.py [--seeds 30] [--iterations 150] [--maps 5] [--docs]
+python experiments/colonies/improved.py [--seeds 30] [--iterations 150] [--maps 5] [--docs]
 """
 
 from __future__ import annotations
@@ -61,10 +61,9 @@ def convergence(asked):
             lengths = [row["length"] for row in found]
             mean, half = tables.interval(lasts[method.name])
             hits = sum(row["gap"] == 0 for row in found)
-            lines.append(
-                [scene, method.name, f"{of[0]}, {of[1]}", f"{mean:.1f} +- {half:.1f}", f"{min(lengths):.4f} / {statistics.mean(lengths):.4f}"]
-                + [f"{hits}/{asked.seeds}", f"{100 * statistics.mean(row['gap'] for row in found):.2f}"]
-            )
+            gaps = f"{100 * statistics.mean(row['gap'] for row in found):.2f}"
+            shown = [f"{mean:.1f} +- {half:.1f}", f"{min(lengths):.4f} / {statistics.mean(lengths):.4f}"]
+            lines.append([scene, method.name, f"{of[0]}, {of[1]}", *shown, f"{hits}/{asked.seeds}", gaps])
         verdict += [order(scene, lasts, suffix) for suffix in ("", ", loops cut")]
     head = ["map", "planner", "printed: iteration, length", "last improvement", "length best / mean", "gap 0", "mean gap %"]
     return tables.markdown(head, lines) + "\n" + "\n".join(f"* {words}" for words in verdict) + "\n", rows
@@ -73,7 +72,9 @@ def convergence(asked):
 def order(scene: str, lasts: dict[str, list[int]], suffix: str) -> str:
     aco, mmas, improved = (lasts[name + suffix] for name in NAMES)
     holds = statistics.mean(improved) < statistics.mean(mmas) < statistics.mean(aco)
-    p = tables.holm([tables.signed_rank(improved, mmas) if len(improved) == len(mmas) else 1.0, tables.signed_rank(mmas, aco) if len(mmas) == len(aco) else 1.0])
+    p = tables.holm(
+        [tables.signed_rank(improved, mmas) if len(improved) == len(mmas) else 1.0, tables.signed_rank(mmas, aco) if len(mmas) == len(aco) else 1.0]
+    )
     effects = f"A12 {tables.a12(improved, mmas):.2f} (p = {p[0]:.2g}) and {tables.a12(mmas, aco):.2f} (p = {p[1]:.2g})"
     return f"{scene}{suffix}: order of iterations improved < MMAS < ACO {'holds' if holds else 'does not hold'}: {effects}."
 
@@ -88,11 +89,13 @@ def smoothness(asked):
         names = {label(("environment", kind, seed, 30)) for seed in range(asked.maps)}
         for method, figure in zip(methods, printed, strict=True):
             found = [row for row in rows if row["scene"] in names and row["method"] == method.name and row["error"] is None]
-            means = {key: statistics.mean(row[key] for row in found) for key in ("smoothness", "turning", "length", "refined_smoothness", "refined_total_turning")}
-            lines.append(
-                [kind, method.planner, figure, f"{means['smoothness']:.3f}", f"{means['turning']:.2f}", f"{means['length']:.2f}"]
-                + [f"{means['refined_smoothness']:.3f}", f"{means['refined_total_turning']:.2f}", len(found)]
-            )
+            means = {
+                key: statistics.mean(row[key] for row in found)
+                for key in ("smoothness", "turning", "length", "refined_smoothness", "refined_total_turning")
+            }
+            raw = [f"{means['smoothness']:.3f}", f"{means['turning']:.2f}", f"{means['length']:.2f}"]
+            after = [f"{means['refined_smoothness']:.3f}", f"{means['refined_total_turning']:.2f}"]
+            lines.append([kind, method.planner, figure, *raw, *after, len(found)])
     head = ["environment", "planner", "printed", "lattice smoothness", "turning rad", "length", "smoothed: smoothness", "turning rad", "runs"]
     return tables.markdown(head, lines), rows
 

@@ -1,6 +1,6 @@
-"""What the sources print beside what their settings (preset=paper) give here: the two scenes of Han and Song 2024 with the comparison and the products.
+"""What Han and Song 2024 print beside what their settings (preset=paper) give here: two scenes, the comparison, the products.
 
-    python experiments/colonies/published.py [--seeds 30] [--evaluations 5000] [--docs]
+python experiments/colonies/published.py [--seeds 30] [--evaluations 5000] [--docs]
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ def methods(evaluations: int) -> list[Method]:
     swarm = paper | {"iterations": evaluations // 50, "patience": 0}
     found = [Method(name, name, swarm, budget) for name in OTHERS]
     found += [Method(f"{name}, way points", name, swarm | {"encoding": "way-points"}, budget) for name in ("sparrow", "pso")]
+    found += [Method("sparrow, lattice", "sparrow", swarm | {"prune": False}, budget)]
     found += [Method("pso, loops left", "pso", swarm | {"cut": False}, budget)]
     found += [Method("pso-aco", "pso-aco", paper, budget), Method("aco", "aco", paper | {"iterations": NEVER}, budget)]
     found += [Method("safest", "pso-aco", paper, material="long"), Method("energy", "pso-aco", paper, material="heavy", refine="bspline")]
@@ -53,12 +54,31 @@ def main() -> None:
     parser.add_argument("--evaluations", type=int, default=5000, help="paths costed by each of the compared (%(default)s)")
     asked = parser.parse_args()
     compared = methods(asked.evaluations)
-    rows = everything("published", [(("scene", name), method, range(asked.seeds)) for name in PRINTED for method in compared], asked.out, asked.workers)
+    rows = everything(
+        "published", [(("scene", name), method, range(asked.seeds)) for name in PRINTED for method in compared], asked.out, asked.workers
+    )
     tables.write_csv(asked.out / "published.csv", rows)
-    of = {(name, method.name): [row for row in rows if (row["scene"], row["method"]) == (f"scene-{name}", method.name)] for name in PRINTED for method in compared}
-    head = ["scene", "method", "printed length best / mean", "here", "best as (diagonals, straights)", "printed turns", "here", "printed iteration", "here", "without a path"]
+    of = {
+        (name, method.name): [row for row in rows if (row["scene"], row["method"]) == (f"scene-{name}", method.name)]
+        for name in PRINTED
+        for method in compared
+    }
+    head = [
+        "scene",
+        "method",
+        "printed length best / mean",
+        "here",
+        "best as (diagonals, straights)",
+        "printed turns",
+        "here",
+        "printed iteration",
+        "here",
+        "without a path",
+    ]
     lines = [line(name, method.name, of[name, method.name]) for name in PRINTED for method in compared if method.name not in ("safest", "energy")]
-    text = tables.markdown(head, lines) + "\n" + products(of) + "\n" + "\n".join(f"* {words}" for name in PRINTED for words in verdicts(name, of)) + "\n"
+    text = (
+        tables.markdown(head, lines) + "\n" + products(of) + "\n" + "\n".join(f"* {words}" for name in PRINTED for words in verdicts(name, of)) + "\n"
+    )
     failed = sum(not row["ok"] for row in rows if row["error"] is None)
     text += f"\nPaths under the independent checker: {sum(row['error'] is None for row in rows)}, failed: {failed}.\n"
     words = f"python experiments/colonies/published.py --seeds {asked.seeds} --evaluations {asked.evaluations} --docs"
@@ -100,9 +120,13 @@ def verdicts(scene: str, of: dict[tuple[str, str], list[Row]]) -> list[str]:
     """The acceptance of the comparison, each part with what decides it."""
     lengths = {name: values(of[scene, name], "length") for name in (*OTHERS, "pso-aco")}
     mean = {name: statistics.mean(found) if found else float("inf") for name, found in lengths.items()}
-    order = all(mean["pso"] >= mean[name] - 1e-9 for name in ("sparrow", "ga")) and all(mean[name] >= mean["pso-aco"] - 1e-9 for name in ("sparrow", "ga"))
+    order = all(mean["pso"] >= mean[name] - 1e-9 for name in ("sparrow", "ga")) and all(
+        mean[name] >= mean["pso-aco"] - 1e-9 for name in ("sparrow", "ga")
+    )
     effects = {name: tables.a12(lengths["pso-aco"], lengths[name]) for name in OTHERS}
-    corrected = tables.holm([tables.signed_rank(lengths["pso-aco"], lengths[name]) if len(lengths[name]) == len(lengths["pso-aco"]) else 1.0 for name in OTHERS])
+    corrected = tables.holm(
+        [tables.signed_rank(lengths["pso-aco"], lengths[name]) if len(lengths[name]) == len(lengths["pso-aco"]) else 1.0 for name in OTHERS]
+    )
     turns = {name: statistics.mean(values(of[scene, name], "turns")) for name in ("pso-aco", "ga")}
     hold = ["does not hold", "holds"]
     means = ", ".join(f"`{name}` {value:.4f}" for name, value in mean.items())

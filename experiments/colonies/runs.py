@@ -1,4 +1,4 @@
-"""Runs of planners over scenes and seeds, several at a time: one record per run in a JSON Lines file, so that a stopped experiment goes on where it was.
+"""Runs of planners over scenes and seeds, several at a time: a record per run in a JSON Lines file, so that a stopped experiment goes on.
 
 A scene is named by a tuple: ("scene", name), ("calibrated", class, seed), ("environment", kind, seed, size) or ("complexity", size, density, seed).
 """

@@ -61,7 +61,16 @@ def test_files_stay_short():
 
 
 def sources():
-    for pattern in ("crates/**/*.rs", "benches/**/*.rs", "python/**/*.py", "tests/**/*.py", "benches/*.py", "examples/*.py", "fuzz/*.py"):
+    for pattern in (
+        "crates/**/*.rs",
+        "benches/**/*.rs",
+        "python/**/*.py",
+        "tests/**/*.py",
+        "benches/*.py",
+        "examples/*.py",
+        "fuzz/*.py",
+        "experiments/**/*.py",
+    ):
         yield from (file for file in ROOT.glob(pattern) if "target" not in file.parts)
 
 

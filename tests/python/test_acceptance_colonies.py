@@ -1,0 +1,132 @@
+"""What colonies and swarms promise: hits on the packaged scenes, no gap on random ones, proper results or errors at the edges."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import guideway as gw
+from guideway.cli import main
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "experiments" / "colonies"))
+import runs
+import tables
+
+NAMES = ["aco", "mmas", "improved-aco", "bidirectional-aco", "pso-aco", "pso", "grouped-pso", "ga", "sparrow"]
+COLONIES = NAMES[:5]
+TARGETS = [
+    ("pso-aco-1", "standard", (16, 6, 3)),
+    ("pso-aco-2", "standard", (14, 10, 6)),
+    ("pso-aco-1", "long", (15, 8, 7)),
+    ("pso-aco-2", "long", (10, 18, 13)),
+]
+OFF = {"seeding": "off"}
+SEEDS = [pytest.param(range(5), id="5"), pytest.param(range(30), id="30", marks=pytest.mark.slow)]
+
+
+def found(query, planner, seed=0, **options):
+    """The steps of a lattice path, after the independent checker has passed it."""
+    solution = gw.plan(query, planner=planner, seed=seed, **options)
+    assert gw.certify(solution.path, query)["ok"]
+    return runs.steps_of(solution.cells)
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+@pytest.mark.parametrize(("name", "material", "target"), TARGETS)
+def test_pso_aco_hits_the_scenes(name, material, target, seeds):
+    query = gw.scenes.load(name).query(material=material)
+    for setting in (None, OFF):
+        assert [found(query, "pso-aco", seed, set=setting) for seed in seeds] == [target] * len(seeds)
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+@pytest.mark.parametrize("name", ["pso-aco-1", "pso-aco-2"])
+def test_one_iteration_is_clearly_worse(name, seeds):
+    query = gw.scenes.load(name).query()
+    target = next(target for of, material, target in TARGETS if (of, material) == (name, "standard"))
+    once = OFF | {"swarm_iterations": 1, "iterations": 1}
+    hits = sum(found(query, "pso-aco", seed, set=once) == target for seed in seeds)
+    assert hits <= len(seeds) // 5
+
+
+@pytest.mark.parametrize("seeds", SEEDS)
+@pytest.mark.parametrize("name", ["m20", "m30"])
+def test_improved_colony_reaches_the_lattice_optimum(name, seeds):
+    scene = gw.scenes.load(name)
+    best = gw.lattice_optimum(scene.world, scene.start, scene.goal)
+    for seed in seeds:
+        assert found(scene.query(), "improved-aco", seed)[:2] == (best["diagonals"], best["straights"])
+
+
+@pytest.mark.parametrize("kind", ["pso-aco-1", "pso-aco-2"])
+@pytest.mark.parametrize("planner", ["pso-aco", "improved-aco"])
+def test_no_gap_on_random_scenes_without_seeding(planner, kind, tmp_path):
+    scene = ("calibrated", kind, 1)
+    rows = [runs.run(scene, runs.Method(planner, planner, OFF), seed, str(tmp_path)) for seed in range(5)]
+    assert all(row["ok"] for row in rows)
+    assert sum(row["gap"] == 0 for row in rows) >= 4
+    assert max(row["gap"] for row in rows) <= 0.02
+
+
+def test_records_of_a_stopped_experiment_are_kept(tmp_path):
+    parts = [(("scene", "m20"), runs.Method("one", "pso", {"iterations": 1}), range(3))]
+    first = runs.everything("try", parts, tmp_path, 1)
+    path = tmp_path / "try.jsonl"
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(lines[:2]) + "\n" + lines[2][:20])  # killed while it wrote
+    again = runs.everything("try", parts, tmp_path, 1)
+    assert [row | {"ms": 0} for row in first] == [row | {"ms": 0} for row in again]
+    assert again[:2] == first[:2]
+
+
+def test_statistics_of_known_samples():
+    assert tables.a12([1, 2], [3, 4]) == 1
+    assert tables.a12([3, 4], [1, 2]) == 0
+    assert tables.a12([1, 1], [1, 1]) == 0.5
+    assert tables.holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+    low, high = tables.wilson(30, 30)
+    assert (low, high) == pytest.approx((0.8865, 1), abs=1e-4)
+    assert tables.signed_rank([1, 2, 3], [1, 2, 3]) == 1
+    assert runs.last_improvement(np.array([[0, 9.0], [3, 5.0], [7, 4.0]])) == 7
+
+
+@pytest.mark.parametrize("planner", NAMES)
+def test_edges(planner):
+    point = gw.plan(gw.Query(gw.World([[0]]), (0.5, 0.5), (0.5, 0.5)), planner=planner)
+    assert point.cost == 0
+    one = gw.Query(gw.World([[0]]), (0.2, 0.5), (0.7, 0.5))
+    assert gw.plan(one, planner=planner).cost == pytest.approx(0.5)
+    corridor = gw.Query(gw.World([[0] * 40]), (0.5, 0.5), (39.5, 0.5))
+    assert found(corridor, planner) == (0, 39, 0)
+    same = gw.Query(gw.World(np.zeros((5, 5))), (2.5, 2.5), (2.5, 2.5))
+    assert gw.plan(same, planner=planner).cost == 0
+    blocked = np.zeros((7, 7))
+    blocked[2, 4:] = blocked[:2, 4] = 1  # the upper right corner is sealed
+    world = gw.World(blocked)
+    with pytest.raises(gw.NoPath) as sealed:
+        gw.plan(gw.Query(world, (0.5, 0.5), (6.5, 6.5)), planner=planner)
+    assert sealed.value.proved
+    with pytest.raises(gw.StartBlocked):
+        gw.plan(gw.Query(world, (4.5, 5.5), (0.5, 0.5)), planner=planner)
+    with pytest.raises(gw.GoalBlocked):
+        gw.plan(gw.Query(world, (0.5, 0.5), (4.5, 5.5)), planner=planner)
+    with pytest.raises(gw.OutsideMap):
+        gw.plan(gw.Query(world, (0.5, 0.5), (9.5, 5.5)), planner=planner)
+
+
+def shown(capsys, *words):
+    assert main(["plan", *words, "--json", "--no-timing"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("material", ["standard", "long", "heavy"])
+@pytest.mark.parametrize("planner", NAMES)
+def test_presets_and_materials_from_the_command_line(planner, material, capsys):
+    for preset in ("paper", "default"):
+        plan = shown(capsys, "scene:pso-aco-1", "--planner", planner, "--material", material, "--set", f"preset={preset}", "--iterations", "5")
+        assert plan["certificate"]["ok"]
+        assert plan["parameters"]["preset"] == preset
+        gap = plan["reference"]["grid_gap"]
+        assert gap is None or gap >= -1e-9

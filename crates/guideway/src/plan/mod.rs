@@ -1,6 +1,7 @@
 //! Planners: from a query to a path.
 
 pub mod colony;
+pub mod front;
 mod legs;
 mod registry;
 pub mod score;

@@ -2,6 +2,7 @@
 
 mod astar;
 mod bottleneck;
+mod clearances;
 mod dijkstra;
 mod explain;
 mod jump;
@@ -11,11 +12,13 @@ mod least_energy;
 mod leg;
 mod lexicographic;
 mod open;
+mod pareto;
 mod reference;
 mod sight;
 mod step;
 mod theta_star;
 mod tree;
+mod two_costs;
 mod visibility;
 
 pub use astar::AStar;
@@ -26,6 +29,7 @@ pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
 pub(super) use leg::{anchor, no_path, search};
 pub use lexicographic::{Lexicographic, Optimum, Stopped, lexicographic};
+pub use pareto::{Effort, Pareto, pareto};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;

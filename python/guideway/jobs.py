@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from guideway import _core
+from guideway import _core, alternatives
 from guideway.records import Budget, Limits
 from guideway.traces import trace_record
 
@@ -36,6 +36,8 @@ class Job:
     limits: Limits = field(default_factory=Limits)
     timing: bool = True
     threads: int = 1
+    exact_fallback: bool = False
+    pareto: bool = False
     observe: Observer | None = None
 
     def query(self) -> _core.Query:
@@ -70,13 +72,32 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
     Raises the errors of :mod:`guideway.errors`; on Ctrl-C ``KeyboardInterrupt`` with an attribute ``outcome`` (or None).
     """
     query = job.query()
+    if job.pareto:
+        alternatives.check(query)
     try:
-        solution = _core.plan(query, job.planner, seed=job.seed, budget=job.budget, set=job.set or None, observe=job.observe, threads=job.threads)
+        solution = _core.plan(
+            query,
+            job.planner,
+            seed=job.seed,
+            budget=job.budget,
+            set=job.set or None,
+            observe=job.observe,
+            threads=job.threads,
+            exact_fallback=job.exact_fallback,
+        )
     except KeyboardInterrupt as interrupt:
         found: _core.Solution | None = getattr(interrupt, "solution", None)
         interrupt.outcome = None if found is None else finish(job, query, found, folder, quick=True)  # type: ignore[attr-defined]
         raise
-    return finish(job, query, solution, folder)
+    outcome = finish(job, query, solution, folder)
+    if job.pareto:
+        try:
+            outcome.record.update(alternatives.records(query, job.budget.seconds, job.observe))
+        except KeyboardInterrupt as interrupt:
+            outcome.record.update(getattr(interrupt, "fields", None) or {})
+            interrupt.outcome = outcome  # type: ignore[attr-defined]
+            raise
+    return outcome
 
 
 def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str | os.PathLike[str], quick: bool = False) -> Outcome:
@@ -157,7 +178,14 @@ def path_record(path: _core.Path) -> dict[str, Any]:
 
 
 def search_record(solution: _core.Solution) -> dict[str, Any]:
-    """The ``search`` of a record."""
+    """The ``search`` of a record; under ``fallback`` that of the exact search, with what the planner found in ``heuristic``."""
+    record = plain_search(solution)
+    heuristic = solution.heuristic
+    return record | {"fallback": solution.fallback, "heuristic": None if heuristic is None else plain_search(heuristic)}
+
+
+def plain_search(solution: _core.Solution) -> dict[str, Any]:
+    """What one search did."""
     return {
         "iterations": solution.iterations,
         "evaluations": solution.evaluations,
@@ -171,6 +199,7 @@ def search_record(solution: _core.Solution) -> dict[str, Any]:
 def reference_record(query: _core.Query, solution: _core.Solution, quick: bool, observe: Observer | None = None) -> dict[str, Any]:
     """The exact optima of the same model and the gaps to them; null where there is none."""
     empty = {"grid_optimum": None, "grid_gap": None, "any_angle_optimum": None, "any_angle_gap": None, "proved": False, "path": None}
+    empty |= {"grid_turns": None, "grid_energy": None, "grid_energy_gap": None}
     if quick:
         return empty
     return empty | _core.reference(query, solution, observe=observe)

@@ -86,14 +86,18 @@ fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
 pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution, observe: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
     let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
     let known = (solution.planner == "visibility" && solution.inner.stop != Stop::Cancelled).then(|| solution.inner.clone());
-    let (result, raised) = watched(py, 0, Budget::default(), 1, observe, |ctx| search::reference(inner, cost, known, ctx))?;
+    let (result, raised) = watched(py, 0, Budget::default(), 1, observe, |ctx| {
+        let reference = search::reference(inner, cost, known, ctx)?;
+        Ok::<_, PlanError>((reference, crate::exact::beside_length(inner, &solution.inner, ctx)?))
+    })?;
     raised.map_or(Ok(()), Err)?;
-    let reference = result.or_py(py)?;
+    let (reference, beside) = result.or_py(py)?;
     let gap = |optimum: Option<f64>| optimum.map(|best| search::gap(cost, best)).transpose().or_py(py);
     let grid = reference.grid_optimum.filter(|_| lattice);
     to_python(
         py,
-        &json!({"grid_optimum": reference.grid_optimum, "grid_gap": gap(grid)?, "any_angle_optimum": reference.any_angle_optimum,
+        &json!({"grid_optimum": reference.grid_optimum, "grid_gap": gap(grid)?, "grid_turns": beside["grid_turns"], "grid_energy": beside["grid_energy"],
+                "grid_energy_gap": beside["grid_energy_gap"], "any_angle_optimum": reference.any_angle_optimum,
                 "any_angle_gap": gap(reference.any_angle_optimum)?, "any_angle_bound": reference.any_angle_bound, "proved": reference.proved,
                 "path": reference.any_angle_path.map(|path| path.points())}),
     )

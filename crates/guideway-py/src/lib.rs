@@ -23,7 +23,7 @@ mod _core {
     #[pymodule_export]
     use crate::certify::{certify, reference};
     #[pymodule_export]
-    use crate::exact::lattice_optimum;
+    use crate::exact::{lattice_optimum, pareto};
     #[pymodule_export]
     use crate::motion::{Trajectory, ceiling, controllers, drive, time};
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use crate::convert::{from_python, points, table, to_python};
 use crate::errors::{OrPy, to_py};
+use crate::exact;
 use crate::path::Path;
 use crate::query::Query;
 use guideway::context::{Budget, Context, Progress};
@@ -17,11 +18,17 @@ use pyo3::types::PyDict;
 pub struct Solution {
     pub inner: core::Solution,
     #[pyo3(get)]
-    query: Py<Query>,
+    pub query: Py<Query>,
     #[pyo3(get)]
     pub planner: String,
     #[pyo3(get)]
-    seed: u64,
+    pub seed: u64,
+    /// The exact path stands here instead of what the planner found.
+    #[pyo3(get)]
+    pub fallback: bool,
+    /// What the planner found, where the exact path stands here instead; None also if it found nothing.
+    #[pyo3(get)]
+    pub heuristic: Option<Py<Solution>>,
 }
 
 #[pymethods]
@@ -100,14 +107,16 @@ impl Solution {
 ///
 /// `set` holds the planner's parameters; `budget` has `iterations`, `evaluations`, `seconds`; `observe` is called with a dictionary
 /// (iteration, evaluations, best, share, seconds) every few milliseconds and returns true to stop. `previous` is a solution of the same planner whose
-/// memory is used where the world or the start has changed since (the colonies repair their way with the pheromone they kept). Ctrl-C raises `KeyboardInterrupt` whose
+/// memory is used where the world or the start has changed since (the colonies repair their way with the pheromone they kept). With `exact_fallback` the
+/// result of a lattice planner that is worse than the exact path (shortest, for heavy loads of the least energy) is replaced by that path: `Solution.fallback` is
+/// true then and `Solution.heuristic` what the planner found. Ctrl-C raises `KeyboardInterrupt` whose
 /// attribute `solution` holds what was found so far, or None.
 #[pyfunction]
-#[pyo3(signature = (query, planner="visibility", *, seed=0, budget=None, set=None, observe=None, threads=1, previous=None))]
+#[pyo3(signature = (query, planner="visibility", *, seed=0, budget=None, set=None, observe=None, threads=1, previous=None, exact_fallback=false))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn plan(
     py: Python<'_>,
-    query: Py<Query>,
+    query: &Bound<'_, Query>,
     planner: &str,
     seed: u64,
     budget: Option<&Bound<'_, PyAny>>,
@@ -115,9 +124,13 @@ pub fn plan(
     observe: Option<&Bound<'_, PyAny>>,
     threads: usize,
     previous: Option<&Bound<'_, Solution>>,
+    exact_fallback: bool,
 ) -> PyResult<Solution> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let method = core::planner(planner, parameters).or_py(py)?;
+    if exact_fallback {
+        exact::needs_lattice(py, planner)?;
+    }
     let budget: Budget = budget.map_or(Ok(Budget::default()), |b| from_python("budget", b))?;
     let inner = &query.get().inner;
     let previous = previous.map(|solution| &solution.get().inner);
@@ -125,13 +138,16 @@ pub fn plan(
         Some(previous) => method.replan(previous, inner, ctx),
         None => method.plan(inner, ctx),
     })?;
-    let wrap = |inner| Solution { inner, query, planner: planner.to_owned(), seed };
+    let wrap = |inner| Solution { inner, query: query.clone().unbind(), planner: planner.to_owned(), seed, fallback: false, heuristic: None };
     if let Some(error) = raised {
         if error.is_instance_of::<PyKeyboardInterrupt>(py) {
             let found = result.ok().map(wrap).map(|s| Py::new(py, s)).transpose()?;
             error.value(py).setattr("solution", found)?;
         }
         return Err(error);
+    }
+    if exact_fallback {
+        return exact::instead(result.map(wrap), query, (planner, seed), observe);
     }
     result.map(wrap).or_py(py)
 }

@@ -8,7 +8,7 @@ import sys
 from dataclasses import replace
 from typing import Any
 
-from guideway import _core, jobs, products, records
+from guideway import _core, alternatives, jobs, products, records
 from guideway.commands import options
 from guideway.errors import BadParameter
 from guideway.io.types import GridMap, Scene
@@ -19,6 +19,8 @@ EXAMPLES = """examples:
   guideway plan room.toml --report room.html
   guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
   guideway plan scene:pso-aco-1 --planner jump-point
+  guideway plan scene:pso-aco-1 --planner aco --iterations 1 --exact-fallback
+  guideway plan scene:m30 --planner lexicographic --pareto --report choice.html
   guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100
   guideway plan --list jump-point"""
 
@@ -53,6 +55,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
     where.add_argument("--thresholds", choices=["inclusive", "strict"], help="reading of map_server thresholds (default that of current Nav2)")
     options.add_method(parser)
+    exact = parser.add_argument_group("exact lattice paths")
+    exact.add_argument("--exact-fallback", action="store_true", help="where a lattice planner falls behind the exact path, return that")
+    exact.add_argument("--pareto", action="store_true", help="add every lattice path worth choosing from, by length, turns, clearance and energy")
     shape = parser.add_argument_group("motion")
     shape.add_argument("--refine", metavar="HOW", help="none, simplify, smooth (default) or bspline")
     shape.add_argument("--max-curvature", type=float, metavar="K", help="largest curvature, 1/m; met where it can be, reported where not")
@@ -140,6 +145,8 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     given = {name: value for name in ("iterations", "evaluations", "seconds") if (value := getattr(arguments, name)) is not None}
     job.budget = replace(job.budget, **given)
     job.threads = arguments.threads
+    job.exact_fallback |= arguments.exact_fallback
+    job.pareto |= arguments.pareto
     job.timing = not arguments.no_timing
     if job.refine not in products.REFINEMENTS:
         raise BadParameter(f"--refine {job.refine!r} is not known: one of {', '.join(products.REFINEMENTS)}")
@@ -160,6 +167,7 @@ def job_of_scene(scene: Scene) -> jobs.Job:
         job.planner, job.refine = table.planner or job.planner, table.refine or job.refine
         job.set, job.seed, job.corners = dict(table.set), table.seed or 0, table.corners
         job.budget = records.Budget(table.iterations, table.evaluations, table.seconds)
+        job.exact_fallback, job.pareto = table.exact_fallback, table.pareto
     return job
 
 
@@ -219,12 +227,15 @@ def summary(record: dict[str, Any]) -> str:
     lines = [f"{record['planner']:<12} {search['raw_length']:.3f} m in {1e3 * search['seconds']:.2f} ms ({search['stop']})"]
     if reference["any_angle_gap"] is not None:
         lines.append(f"reference    {100 * reference['any_angle_gap']:.2f} % longer than the exact optimum of {reference['any_angle_optimum']:.3f} m")
+    lines.extend(alternatives.gap_line(record))
     curvature = "corners" if metrics["max_curvature"] is None else f"curvature up to {metrics['max_curvature']:.2f} 1/m"
     clearance = "no obstacle near" if metrics["min_clearance"] is None else f"{round(metrics['min_clearance'], 3) + 0.0:.3f} m clear"
     lines.append(f"path         {metrics['length']:.3f} m, {metrics['turns']} turns, {curvature}, {clearance}")
     if record["trajectory"]:
         lines.append(f"motion       {record['trajectory']['duration']:.2f} s in {len(record['trajectory']['pieces'])} pieces")
     lines.append(f"certificate  {'ok' if record['certificate']['ok'] else 'FAILED'}: {len(record['certificate']['checks'])} checks")
+    if "alternatives" in record:
+        lines.extend(alternatives.table(record))
     lines.extend(f"not met      {text}" for text in record["unmet"])
     lines.extend(products.table(record["products"]) if "products" in record else [])
     return "\n".join(lines)

@@ -205,6 +205,8 @@ def _plan(table: Table) -> Plan:
         seconds=table.optional("seconds", 0.0, 1e6, "s", above=True),
         refine=table.choice("refine", REFINEMENTS, "") or None,
         corners=cast("Corners | None", table.choice("corners", CORNERS, "") or None),
+        exact_fallback=table.flag("exact_fallback"),
+        pareto=table.flag("pareto"),
         out=table.text("out"),
         report=table.text("report"),
     )

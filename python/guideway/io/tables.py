@@ -95,6 +95,15 @@ class Table:
             raise self.bad(key, "a text in quotes")
         return value
 
+    def flag(self, key: str) -> bool:
+        """True or false; false where the field is missing."""
+        value = self.raw(key)
+        if key not in self._data:
+            return False
+        if not isinstance(value, bool):
+            raise self.bad(key, "true | false")
+        return value
+
     def choice(self, key: str, allowed: tuple[str, ...], default: str) -> str:
         """One of ``allowed``."""
         value = self.raw(key)

@@ -212,6 +212,8 @@ class Plan:
     seconds: float | None = None
     refine: str | None = None
     corners: Corners | None = None
+    exact_fallback: bool = False
+    pareto: bool = False
     out: str | None = None
     report: str | None = None
 

@@ -20,6 +20,7 @@ const STYLE = {
   raw: { dash: [5, 4], width: 1.4 },
   optimum: { dash: [0.1, 5.2], width: 2.6 },
   final: { dash: [], width: 2.6 },
+  alternative: { dash: [], width: 3 },
   planned: { dash: [7, 5], width: 1.6 },
   driven: { dash: [], width: 2.2 },
 };

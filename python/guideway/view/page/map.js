@@ -71,6 +71,7 @@ function makeMap(canvas, scene, events) {
     pen.setTransform(view.ratio, 0, 0, view.ratio, 0, 0);
     const { layers } = now;
     if (layers.movers) for (const entry of now.entries) drawMovers(pen, view, entry.movers, Math.min(now.t, entry.motion.duration), colour.mover);
+    if (now.alternative) drawPath(pen, view, now.alternative, STYLE.alternative, colour.mover, colour.halo);
     if (now.ghost !== null) drawGhost(now);
     if (layers.robot) {
       for (const entry of [...now.entries].sort((a, b) => a.active - b.active)) {

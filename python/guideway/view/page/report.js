@@ -4,7 +4,7 @@ const byId = (id) => document.getElementById(id);
 const bundle = JSON.parse(byId("data").textContent);
 const entries = list(bundle.entries).map(makeEntry);
 const state = {
-  t: 0, ghost: null, playing: false, rate: 1, active: 0,
+  t: 0, ghost: null, alternative: null, playing: false, rate: 1, active: 0,
   visible: new Set(entries.map((_, i) => i)),
   layers: Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on])),
 };
@@ -66,7 +66,7 @@ const leading = () => (current() ? partnerOf(current()) || current() : null);
 
 const scene = () => ({
   entries: shownEntries().map((entry) => Object.assign(entry, { active: entry.index === state.active, shadow: entry.kind === "plan" && shownEntries().some((other) => other.kind === "run"), leading: entry === leading() })),
-  world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, home: homeBox(),
+  world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, alternative: state.alternative, home: homeBox(),
 });
 
 /** Width of the map that the open list of layers hides on its left, pixels. */
@@ -128,6 +128,13 @@ const map = makeMap(byId("canvas"), scene, {
   covered,
 });
 const plots = makePlots(byId("plots"), { hover: (t) => setGhost(t), seek: (t) => seek(t) });
+
+const fillAlternatives = makeAlternatives(byId("alternatives"), {
+  show: (rows) => {
+    state.alternative = rows;
+    map.ask();
+  },
+});
 
 function setGhost(t) {
   if (t === state.ghost) return;
@@ -288,6 +295,7 @@ function refresh() {
   fillCompare(byId("compare"), entries, { active: state.active, visible: state.visible, choose, toggle });
   if (entry) {
     fillVerdict(byId("verdict"), entry, partnerOf(entry), entries.length > 1);
+    fillAlternatives(entry.data);
     fillDetails(byId("details"), entry, partnerOf(entry), { seek, shown: shownEntries() });
   }
   fillLayers();

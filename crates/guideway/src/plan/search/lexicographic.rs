@@ -210,3 +210,53 @@ pub(super) fn solve(asked: &legs::Leg, aim: Aim, ctx: &mut Context) -> Result<Op
         Err(Stopped) => Err(leg::out_of_time(asked.query)),
     }
 }
+
+/// Times that a reference may ask for the time before it is given up: so many thousand expansions, the same on every machine.
+const PATIENCE: u32 = 2000;
+
+/// What lattice planners are measured against beside the shortest length: the path of a query that is best under `aim`, or `None` where it has via points (turns at them belong to
+/// two legs), there is no path, or the search would take more than some million expansions.
+/// # Errors
+/// Those of [`Query::validate`], and [`PlanError::Cancelled`].
+pub fn grid_best(query: &Query, aim: Aim, ctx: &mut Context) -> Result<Option<Solution>, PlanError> {
+    if !query.via.is_empty() {
+        return Ok(None);
+    }
+    let mut expansions = 0;
+    let route = legs::plan(query, ctx, |leg, ctx| {
+        let (mut asked, mut cancelled) = (0, false);
+        let mut stop = || {
+            asked += 1;
+            cancelled = ctx.poll() == Some(Stop::Cancelled);
+            cancelled || asked > PATIENCE
+        };
+        let found = lexicographic(leg.lattice, [leg.start, leg.goal], query.corners, aim, &mut stop);
+        if cancelled {
+            return Err(PlanError::Cancelled);
+        }
+        let found = found.ok().flatten().ok_or_else(|| leg::out_of_time(query))?;
+        expansions += found.expansions;
+        Ok(found.cells)
+    });
+    match route {
+        Ok(route) => {
+            let found = Solution::of_search(route.path(), route.length, expansions, ctx);
+            Ok(Some(Solution { cells: Some(route.cells), ..found }))
+        }
+        Err(PlanError::NoPath(_)) => Ok(None),
+        Err(other) => Err(other),
+    }
+}
+
+/// The exact path of a query, if `found` costs more than it under the aim of the query's material, or nothing was found: the fallback of heuristic lattice
+/// planners. `None`: `found` is as good.
+/// # Errors
+/// As [`Planner::plan`].
+pub fn exact_instead(query: &Query, found: Option<&Solution>, ctx: &mut Context) -> Result<Option<Solution>, PlanError> {
+    let exact = Lexicographic {}.plan(query, ctx)?;
+    let cost = |solution: &Solution| solution.cells.as_ref().map(|cells| Aim::of(query.material).of_cells(cells).cost);
+    Ok(match found.and_then(cost) {
+        Some(known) if cost(&exact).is_none_or(|best| best >= known) => None,
+        _ => Some(exact),
+    })
+}

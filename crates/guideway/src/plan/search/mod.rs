@@ -28,7 +28,7 @@ pub use jump_point::JumpPoint;
 pub use lazy_theta_star::LazyThetaStar;
 pub use leg::{Engine, grid_optimum};
 pub(super) use leg::{anchor, no_path, search};
-pub use lexicographic::{Lexicographic, Optimum, Stopped, lexicographic};
+pub use lexicographic::{Lexicographic, Optimum, Stopped, exact_instead, grid_best, lexicographic};
 pub use pareto::{Effort, Pareto, pareto};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;

@@ -19,7 +19,8 @@ def records(query: _core.Query, seconds: float | None = None, observe: Observer 
     try:
         return split(_core.pareto(query, seconds=seconds, observe=observe))
     except NoPath as none:  # there is none on the lattice, or time was too short for one
-        about = {"complete": none.proved, "searches": 0, "labels": 0, "seconds": 0.0, "stop": "converged" if none.proved else "budget"}
+        proved = bool(getattr(none, "proved", False))
+        about = {"complete": proved, "searches": 0, "labels": 0, "seconds": 0.0, "stop": "converged" if proved else "budget"}
         return {"alternatives": [], "pareto": about}
     except KeyboardInterrupt as interrupt:
         found = getattr(interrupt, "found", None)

@@ -19,7 +19,7 @@ EXAMPLES = """examples:
   guideway plan room.toml --report room.html
   guideway plan maze.map --start-cell 3,4 --goal-cell 200,180 --planner jump-point --json
   guideway plan scene:pso-aco-1 --planner jump-point
-  guideway plan scene:pso-aco-1 --planner aco --iterations 1 --exact-fallback
+  guideway plan scene:pso-aco-1 --planner aco --set preset=paper --iterations 1 --exact-fallback
   guideway plan scene:m30 --planner lexicographic --pareto --report choice.html
   guideway plan maze.map --scen maze.map.scen --planner jump-point --limit 100
   guideway plan --list jump-point"""

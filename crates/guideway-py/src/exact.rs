@@ -165,7 +165,7 @@ fn alternative(query: &query::Query, one: &Alternative, stubs: f64) -> Result<Va
     let mut points = vec![query.start];
     points.extend(&centers);
     points.push(query.goal);
-    let checked = certify::collision(&Path::polyline(&points), query, None);
+    let checked = certify::collision(&Path::polyline(&points), query, Some(cell / 10.0));
     if !checked.ok {
         let detail = format!("an alternative collides near {:?}", checked.worst);
         return Err(PlanError::CertificateFailed { stage: "alternatives", detail });

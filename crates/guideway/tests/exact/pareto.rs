@@ -140,7 +140,7 @@ fn alternatives_are_free_and_hold_the_optima() {
         let best = |aim| lexicographic(&lattice, [[0, 0], [23, 20]], query.corners, aim, &mut || false).unwrap().unwrap().score;
         let (shortest, energy) = (best(Aim::Shortest), best(Aim::LeastEnergy));
         assert_eq!((set[0].length, set[0].turns), (shortest.cost, shortest.turns));
-        let least = set.iter().map(|a| a.energy()).fold(f64::INFINITY, f64::min);
+        let least = set.iter().map(Alternative::energy).fold(f64::INFINITY, f64::min);
         assert!((least - energy.cost).abs() < 1e-9, "{least} for {}", energy.cost);
     }
 }

@@ -17,6 +17,7 @@ import jsonschema
 import numpy as np
 import pytest
 
+import guideway as gw
 from guideway import schemas
 from guideway.cli import main
 
@@ -150,10 +151,14 @@ def test_maps(tmp_path, capsys):
 
 def test_list(capsys):
     assert main(["plan", "--list"]) == 0
-    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    names = [line.split()[0] for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
     assert {"dijkstra", "astar", "jump-point", "theta-star", "lazy-theta-star", "visibility"} <= set(names)
+    assert names == [entry["name"] for entry in gw.planners()]
     for name in names:
         assert main(["plan", "--list", name]) == 0
+    capsys.readouterr()
+    assert main(["plan", "--list", "aco"]) == 0
+    assert "loop_cutting = true  (paper: false)" in capsys.readouterr().out
 
 
 def test_ctrl_c(tmp_path):

@@ -251,13 +251,34 @@ def _list(name: str, as_json: bool) -> int:
     if as_json:
         print(json.dumps(entries))
     elif not name:
-        for entry in entries:
-            print(f"{entry['name']:<18} {entry['about']}")
+        _print_list(entries)
     else:
-        entry = entries[0]
-        print(f"{entry['name']}: {entry['about']}\nsource: {entry['source']}\n")
-        for parameter in entry["parameters"]:
-            print(f"  {parameter['name']} = {json.dumps(parameter['default'])}\n      {parameter['about']}")
-        if not entry["parameters"]:
-            print("  no parameters")
+        _print_planner(entries[0])
     return 0
+
+
+def _print_list(entries: list[dict[str, Any]]) -> None:
+    """The planners with a line each, searches first."""
+    groups = (
+        ("Searches: no chance, nothing to tune", [entry for entry in entries if entry["paper"] is None]),
+        (
+            "Ant colonies and swarms: heuristics, the same for the same --seed; preset=paper for the settings of the source",
+            [e for e in entries if e["paper"]],
+        ),
+    )
+    for title, members in groups:
+        print(title)
+        for entry in members:
+            print(f"  {entry['name']:<18} {entry['about']}")
+    print("Parameters, defaults and source of one: guideway plan --list NAME")
+
+
+def _print_planner(entry: dict[str, Any]) -> None:
+    """What a planner is, and its parameters with defaults, and with those of the source where they differ."""
+    print(f"{entry['name']}: {entry['about']}\nsource: {entry['source']}\n")
+    paper = entry["paper"] or {}
+    for parameter in entry["parameters"]:
+        name, default = parameter["name"], parameter["default"]
+        other = f"  (paper: {json.dumps(paper[name])})" if name in paper and paper[name] != default and name != "preset" else ""
+        print(f"  {name} = {json.dumps(default)}{other}\n      {parameter['about']}")
+    print("Set one with --set NAME=VALUE." if entry["parameters"] else "  no parameters")

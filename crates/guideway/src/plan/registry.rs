@@ -24,13 +24,13 @@ pub const REGISTRY: &[Entry] = &[
         []
     ),
     entry!("theta-star", search::ThetaStar, false, "daniel2010", "Any-angle path over the lattice, near the optimum", []),
-    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Theta* that looks along a line only when it expands its end", []),
+    entry!("lazy-theta-star", search::LazyThetaStar, false, "nash2010", "Any-angle path as by theta-star, with fewer looks along lines", []),
     entry!(
         "visibility",
         search::Visibility,
         false,
         "harabor2016, cui2017, lozano1979",
-        "Exact any-angle optimum: tangents and arcs around everything in the way",
+        "Exact shortest path at any angle, by tangents and arcs around everything in the way; the default",
         []
     ),
     entry!(
@@ -40,7 +40,7 @@ pub const REGISTRY: &[Entry] = &[
         "dorigo1996",
         "Ant system: every ant that arrives deposits; the baseline of the colonies",
         [
-            ("preset", "default | paper"),
+            ("preset", "default | paper: our settings or those of the source"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("alpha", "exponent of the pheromone"),
@@ -60,7 +60,7 @@ pub const REGISTRY: &[Entry] = &[
         "stutzle2000",
         "Max-min ant system: only the best ant deposits, the pheromone stays between bounds",
         [
-            ("preset", "default | paper"),
+            ("preset", "default | paper: our settings or those of the source"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("alpha", "exponent of the pheromone"),
@@ -79,9 +79,9 @@ pub const REGISTRY: &[Entry] = &[
         colony::ImprovedAco,
         true,
         "lu2025",
-        "Ant system with six improvements, each of them a switch; the default has more",
+        "Ant system with six improvements, each of them a switch, and ours beside them",
         [
-            ("preset", "default | paper"),
+            ("preset", "default | paper: our settings or those of the source"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("o1", "initial pheromone in a cone around the straight line"),
@@ -123,7 +123,7 @@ pub const REGISTRY: &[Entry] = &[
         "han2024",
         "Ants walk there and back, with a heuristic of its own in each direction",
         [
-            ("preset", "default | paper"),
+            ("preset", "default | paper: our settings or those of the source"),
             ("ants", "ants of half an iteration"),
             ("iterations", "iterations, there and back, if the budget names none"),
             ("patience", "iterations without improvement after which it stops"),
@@ -151,7 +151,7 @@ pub const REGISTRY: &[Entry] = &[
         "han2024",
         "Grouped particle swarm whose best way raises the pheromone of a bidirectional ant colony",
         [
-            ("preset", "default | paper"),
+            ("preset", "default | paper: our settings or those of the source"),
             ("ants", "ants of half an iteration"),
             ("iterations", "iterations, there and back, if the budget names none"),
             ("patience", "iterations without improvement after which it stops"),

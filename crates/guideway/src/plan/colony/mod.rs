@@ -126,6 +126,7 @@ fn plan(
         let first = ctx.iterations();
         let mut found = colony(&task, ctx)?;
         found.history.iter_mut().for_each(|h| h.0 = h.0.saturating_sub(first));
+        found.trace["convergence"] = json!(found.history);
         if found.stop != Stop::Converged {
             stop = found.stop;
         }

@@ -47,21 +47,23 @@ def methods(evaluations: int) -> dict[str, list[Method]]:
 def main() -> None:
     parser = options(__doc__.splitlines()[0])
     parser.add_argument("--maps", type=int, default=100, help="maps of each of the two classes (%(default)s)")
-    parser.add_argument("--seeds", type=int, default=30, help="seeds at default budgets (%(default)s)")
+    parser.add_argument("--seeds", type=int, default=30, help="seeds with seeding and fallback off (%(default)s)")
+    parser.add_argument("--on", type=int, default=30, help="seeds with seeding and fallback on (%(default)s)")
     parser.add_argument("--others", type=int, default=10, help="seeds at equal evaluations (%(default)s)")
+    parser.add_argument("--other-maps", type=int, default=100, help="maps of each class at equal evaluations (%(default)s)")
     parser.add_argument("--evaluations", type=int, default=5000, help="paths costed at equal evaluations (%(default)s)")
     asked = parser.parse_args()
-    scenes = [("calibrated", name, seed) for seed in range(asked.maps) for name in ("pso-aco-1", "pso-aco-2")]
     groups = methods(asked.evaluations)
+    runs = {OFF: (asked.maps, asked.seeds), EQUAL: (min(asked.maps, asked.other_maps), asked.others), ON: (asked.maps, asked.on)}
     parts = []
-    for group, members in groups.items():
-        seeds = range(asked.others if group == EQUAL else asked.seeds)
-        parts += [(scene, method, seeds) for method in members for scene in scenes]
+    for group, (maps, seeds) in runs.items():
+        scenes = [("calibrated", name, seed) for seed in range(maps) for name in ("pso-aco-1", "pso-aco-2")]
+        parts += [(scene, method, range(seeds)) for method in groups[group] for scene in scenes]
     rows = everything("gaps", parts, asked.out, asked.workers)
     tables.write_csv(asked.out / "gaps.csv", rows)
     by = {method.name: [row for row in rows if row["method"] == method.name] for members in groups.values() for method in members}
-    numbers = f"--maps {asked.maps} --seeds {asked.seeds} --others {asked.others} --evaluations {asked.evaluations}"
-    words = f"python experiments/colonies/gaps.py {numbers} --docs"
+    numbers = f"--maps {asked.maps} --seeds {asked.seeds} --on {asked.on} --others {asked.others} --other-maps {asked.other_maps}"
+    words = f"python experiments/colonies/gaps.py {numbers} --evaluations {asked.evaluations} --docs"
     text = "\n".join([table(groups, by), comparison(groups, by), verdicts(by, rows, asked)])
     tables.publish("gaps", words, text, asked.out, asked.docs)
 

@@ -130,3 +130,26 @@ def test_presets_and_materials_from_the_command_line(planner, material, capsys):
         assert plan["parameters"]["preset"] == preset
         gap = plan["reference"]["grid_gap"]
         assert gap is None or gap >= -1e-9
+
+
+@pytest.mark.parametrize("planner", ["pso", *(pytest.param(name, marks=pytest.mark.slow) for name in NAMES if name != "pso")])
+def test_four_million_free_cells(planner):
+    query = gw.Query(gw.World(np.zeros((2000, 2000))), (0.5, 0.5), (1999.5, 1200.5))
+    budget = gw.Budget(iterations=2) if planner == "pso" else gw.Budget(seconds=1.0)
+    if planner in ("aco", "mmas"):  # plain ants wander: there is no path yet when the time is over
+        with pytest.raises(gw.NoPath) as none:
+            gw.plan(query, planner=planner, budget=budget)
+        assert not none.value.proved
+        return
+    solution = gw.plan(query, planner=planner, budget=budget)
+    assert gw.certify(solution.path, query)["ok"]
+    assert solution.cost >= 1200 * 2**0.5 + 799 - 1e-6
+
+
+def test_the_exact_fallback_leaves_no_gap(capsys):
+    words = ["scene:m30", "--planner", "aco", "--iterations", "1", "--refine", "none"]
+    plain = shown(capsys, *words)
+    assert plain["reference"]["grid_gap"] > 0
+    exact = shown(capsys, *words, "--exact-fallback")
+    assert exact["reference"]["grid_gap"] == 0
+    assert exact["certificate"]["ok"]

@@ -1,9 +1,10 @@
-//! How much memory one call of a colony over corners takes at its peak. One test in a binary of its own: the allocator counts everything that the process does.
+//! How much memory one call of a colony takes at its peak. One test in a binary of its own: the allocator counts everything that the process does.
 
 use guideway::context::Context;
 use guideway::plan;
 use guideway::query::Query;
 use guideway::world::{Bits, Grid, World};
+use serde_json::Value;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -53,12 +54,13 @@ fn rooms() -> Arc<World> {
 }
 
 #[test]
-fn a_planning_call_over_corners_on_512_x_512_takes_at_most_32_mb() {
+fn a_planning_call_on_512_x_512_takes_at_most_32_mb() {
     let world = rooms();
     let query = Query::new(world, [1.5, 1.5], [511.5, 511.5]);
-    for name in ["improved-aco", "bidirectional-aco"] {
-        let parameters = serde_json::json!({ "graph": "corners" });
-        let planner = plan::planner(name, parameters).expect("a planner");
+    let corners = serde_json::json!({ "graph": "corners" });
+    let methods = [("improved-aco", &corners), ("bidirectional-aco", &corners), ("bidirectional-aco", &Value::Null), ("improved-aco", &Value::Null)];
+    for (name, parameters) in methods.into_iter().chain([("pso-aco", &Value::Null)]) {
+        let planner = plan::planner(name, parameters.clone()).expect("a planner");
         let before = USED.load(Ordering::SeqCst);
         MOST.store(before, Ordering::SeqCst);
         let found = planner.plan(&query, &mut Context::new(1)).expect("a way");

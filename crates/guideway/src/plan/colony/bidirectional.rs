@@ -9,7 +9,7 @@
 //! | alpha, beta, rho, Q | `alpha`, `beta`, `evaporation`, `deposit` |
 //! | `tau_0`, bounds | `initial`, `least`, `most` |
 //!
-//! Departures: `loop_cutting`, `elitist` (the best so far deposits as well), `polish` (local search on the best of a half when the colony stands still) and `restart` (back to the
+//! Departures: `loop_cutting`, `leash` (ants that wander are given up), `elitist` (the best so far deposits as well), `polish` (local search on the best of a half when the colony stands still) and `restart` (back to the
 //! initial pheromone, with the best kept, when the choices along the best trail are decided) are ours; `preset=paper` switches them off.
 
 use super::crew::{Crew, March, best_of, better};
@@ -54,6 +54,8 @@ pub struct BidirectionalAco {
     pub seeding: Seeding,
     /// Cut loops out of the ways of ants?
     pub loop_cutting: bool,
+    /// Steps that an ant may take, in steps of the best trail so far; 0: no limit but that of the source.
+    pub leash: f64,
     /// Does the best so far deposit in every half?
     pub elitist: bool,
     /// Iterations without improvement after which local search works on the best trails; 0: never. (From the first on it would take the colony's
@@ -73,6 +75,7 @@ impl Default for BidirectionalAco {
             preset: Preset::Default,
             seeding: Seeding::AnyAngle,
             loop_cutting: true,
+            leash: 20.0,
             elitist: true,
             polish: 5,
             restart: 0.02,
@@ -99,6 +102,7 @@ impl BidirectionalAco {
             most: 10.0,
             seeding: Seeding::Off,
             loop_cutting: false,
+            leash: 0.0,
             elitist: false,
             polish: 0,
             restart: 0.0,
@@ -112,6 +116,7 @@ impl BidirectionalAco {
         check::exponents(self.alpha, self.beta)?;
         check::share("evaporation", self.evaporation)?;
         check::share("restart", self.restart)?;
+        check::leash(self.leash)?;
         for (name, value) in [("deposit", self.deposit), ("initial", self.initial), ("least", self.least), ("most", self.most)] {
             check::positive(name, value)?;
         }
@@ -202,6 +207,7 @@ impl<'a> Run<'a> {
     fn half(&mut self, back: bool, number: u64, ctx: &mut Context) -> Result<(), Stop> {
         let (from, to) = if back { (self.task.goal, self.task.start) } else { (self.task.start, self.task.goal) };
         self.choices.renew(self.method.rule(), to);
+        self.crew.keep_on_leash(self.best.as_ref(), self.method.leash);
         let trails = self.crew.generation(&March { ants: self.method.ants, from, number }, &self.tau, &self.choices, ctx)?;
         let found = best_of(&trails).cloned().map(|t| if back { t.reversed(self.task.roads) } else { t });
         let found = found.map(|t| if self.method.polish > 0 && self.still >= self.method.polish { polish::polish(self.task, t) } else { t });

@@ -36,3 +36,8 @@ pub fn probability(name: &str, value: f64) -> Result<(), PlanError> {
 pub fn order(low: &str, least: f64, high: &str, most: f64) -> Result<(), PlanError> {
     if least <= most { Ok(()) } else { Err(PlanError::bad(low, least, format!("at most `{high}` = {most}"))) }
 }
+
+/// Steps of an ant in steps of the best trail.
+pub fn leash(value: f64) -> Result<(), PlanError> {
+    if value == 0.0 || (1.0..=1e6).contains(&value) { Ok(()) } else { Err(PlanError::bad("leash", value, "0 (none) or 1 to 1e6")) }
+}

@@ -13,6 +13,9 @@ use std::sync::Mutex;
 /// Nodes that may be looked at between two questions whether to go on.
 const PATIENCE: usize = 1 << 21;
 
+/// Steps that every leash allows.
+const SHORTEST_LEASH: usize = 256;
+
 /// What all walks of a colony have in common.
 pub(in crate::plan) struct Crew<'a, R> {
     pub roads: &'a R,
@@ -21,6 +24,8 @@ pub(in crate::plan) struct Crew<'a, R> {
     pub cut: bool,
     /// Largest number of steps, those back included.
     pub steps: usize,
+    /// That number without a leash.
+    most: usize,
     legs: Mutex<Vec<Legs>>,
     workers: Option<rayon::ThreadPool>,
 }
@@ -39,7 +44,7 @@ impl<'a, R: Roads> Crew<'a, R> {
         let threads = ctx.threads();
         // Without worker threads (the system refuses them) the work is done here.
         let workers = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
-        Self { roads, aim, cut, steps, legs: Mutex::default(), workers }
+        Self { roads, aim, cut, steps, most: steps, legs: Mutex::default(), workers }
     }
 
     /// Sends the ants out; `walk` is what one of them does. Results are in the order of the ants, whatever the number of threads.
@@ -99,6 +104,13 @@ impl<'a, R: Roads> Crew<'a, R> {
     fn give_back(&self, legs: Legs) {
         if let Ok(mut free) = self.legs.lock() {
             free.push(legs);
+        }
+    }
+
+    /// Ants that took `leash` times the steps of the best trail so far do not come home with a better one; 0: they may.
+    pub fn keep_on_leash(&mut self, best: Option<&Trail>, leash: f64) {
+        if let Some(best) = best.filter(|_| leash > 0.0) {
+            self.steps = self.most.min(SHORTEST_LEASH.max((leash * best.exits.len() as f64) as usize));
         }
     }
 

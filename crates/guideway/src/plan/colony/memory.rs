@@ -31,7 +31,7 @@ pub(in crate::plan) struct Leg {
     size: [u32; 2],
     goal: u32,
     /// Concentrations on the slots that ants marked.
-    slots: Vec<(u32, f64)>,
+    slots: Vec<(u32, f32)>,
     /// The best way, node by node.
     way: Vec<u32>,
 }
@@ -54,7 +54,12 @@ impl Memory {
 
 impl Leg {
     pub fn new(task: &Task, tau: &Pheromone, best: Option<&Trail>) -> Self {
-        Self { size: task.size(), goal: task.goal, slots: tau.marked(), way: best.map(|t| t.nodes.clone()).unwrap_or_default() }
+        Self {
+            size: task.size(),
+            goal: task.goal,
+            slots: tau.marked().map(|(slot, value)| (slot, value as f32)).collect(),
+            way: best.map(|t| t.nodes.clone()).unwrap_or_default(),
+        }
     }
 
     /// Lays the remembered concentrations on the roads that are still open; on the others lies the least.
@@ -66,7 +71,7 @@ impl Leg {
                 at = Some(slot / 8);
                 task.roads.exits(slot / 8, &mut exits);
             }
-            tau.lay(slot, if exits.iter().any(|e| e.slot == slot) { value } else { least });
+            tau.lay(slot, if exits.iter().any(|e| e.slot == slot) { f64::from(value) } else { least });
         }
     }
 

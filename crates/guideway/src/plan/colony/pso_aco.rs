@@ -67,7 +67,8 @@ impl PsoAco {
 
     fn decoding(&self) -> Decoding {
         let decoding = if self.colony.preset == Preset::Paper { Decoding::paper() } else { Decoding::default() };
-        Decoding { keys: self.keys, ..decoding }
+        // The ants go on where walks of six sides do not arrive.
+        Decoding { keys: self.keys, walk_limit: Decoding::paper().walk_limit, ..decoding }
     }
 
     fn swarm(&self, task: &Task, ctx: &mut Context) -> Result<Option<swarm::Found>, PlanError> {

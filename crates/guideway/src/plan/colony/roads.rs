@@ -74,6 +74,10 @@ impl<'a> Streets<'a> {
         let offset = WAYS.map(|(dx, dy)| (dx + dy * i64::from(lattice.width())) as i32);
         Self { lattice, corners, offset, open }
     }
+    /// Heading of a step, each part -1, 0 or 1 and not both 0.
+    pub fn heading([dx, dy]: [i64; 2]) -> u8 {
+        WAYS.iter().position(|way| *way == (dx, dy)).map_or(ANY, |k| k as u8)
+    }
     pub fn node(&self, [x, y]: Cell) -> u32 {
         y * self.lattice.width() + x
     }

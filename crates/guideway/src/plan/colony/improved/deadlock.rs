@@ -6,6 +6,7 @@ use super::super::roads::{Exit, Roads};
 use super::super::rule::Choices;
 use super::super::walk::{Legs, Trail};
 use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeSet;
 
 /// Dead ends caused by the tables after which an ant is given up.
 const PATIENCE: u32 = 2;
@@ -15,7 +16,7 @@ pub(super) struct Outcome {
     /// Its way; `None` if it was given up.
     pub trail: Option<Trail>,
     /// Nodes that it found to lead nowhere.
-    pub tabu: Vec<u32>,
+    pub tabu: BTreeSet<u32>,
     /// Times it was placed again.
     pub again: u32,
 }
@@ -36,7 +37,7 @@ pub(super) struct Maze<'a, R> {
 impl<R: Roads> Maze<'_, R> {
     /// An ant's walk, from the start again if it is given up.
     pub fn walk(&self, choices: &Choices, legs: &mut Legs, rng: &mut ChaCha8Rng) -> Outcome {
-        let (mut found, mut again) = (Vec::new(), 0);
+        let (mut found, mut again) = (BTreeSet::new(), 0);
         loop {
             let trail = self.once(choices, legs, &mut found, rng);
             if trail.is_some() || again == self.retries {
@@ -50,7 +51,7 @@ impl<R: Roads> Maze<'_, R> {
         }
     }
 
-    fn once(&self, choices: &Choices, legs: &mut Legs, found: &mut Vec<u32>, rng: &mut ChaCha8Rng) -> Option<Trail> {
+    fn once(&self, choices: &Choices, legs: &mut Legs, found: &mut BTreeSet<u32>, rng: &mut ChaCha8Rng) -> Option<Trail> {
         let (mut backing, mut caused) = (false, 0);
         for _ in 0..self.crew.steps {
             if legs.here() == choices.target() {
@@ -73,45 +74,45 @@ impl<R: Roads> Maze<'_, R> {
     }
 
     /// Is this dead end there only because of cells that are tabu or forbidden? (Every exit but the way back leads to one.)
-    fn by_tables(&self, legs: &Legs, found: &[u32]) -> bool {
+    fn by_tables(&self, legs: &Legs, found: &BTreeSet<u32>) -> bool {
         let (mut exits, from) = (Vec::with_capacity(8), legs.before());
         self.crew.roads.exits(legs.here(), &mut exits);
         exits.retain(|exit| Some(exit.to) != from);
         !exits.is_empty() && exits.iter().all(|e| legs.forbidden(e.to) || self.closed(e.to, found))
     }
 
-    fn closed(&self, node: u32, found: &[u32]) -> bool {
+    fn closed(&self, node: u32, found: &BTreeSet<u32>) -> bool {
         self.tabu[node as usize] || found.contains(&node)
     }
 
     /// Marks what leads nowhere around the ant.
-    fn dead_end(&self, goal: u32, legs: &mut Legs, found: &mut Vec<u32>) {
-        let (mut window, first) = (Vec::with_capacity(25), found.len());
+    fn dead_end(&self, goal: u32, legs: &mut Legs, found: &mut BTreeSet<u32>) {
+        let mut window = Vec::with_capacity(25);
         self.crew.roads.around(legs.here(), &mut window);
-        sweep(self.crew.roads, &window, [self.start, goal], |node| self.tabu[node as usize], found);
-        for node in &found[first..] {
-            legs.forbid(*node);
+        for node in sweep(self.crew.roads, &window, [self.start, goal], |node| self.tabu[node as usize], found) {
+            legs.forbid(node);
         }
     }
 }
 
-/// Appends to `found`, again and again, every node of the window but the two ends that has at most one exit to a node that is not closed. No simple way
+/// Adds to `found`, again and again, and returns, every node of the window but the two ends that has at most one exit to a node that is not closed. No simple way
 /// between the ends passes such a node: it would need two.
-pub(super) fn sweep(roads: &impl Roads, window: &[u32], ends: [u32; 2], tabu: impl Fn(u32) -> bool, found: &mut Vec<u32>) {
-    let mut exits: Vec<Exit> = Vec::with_capacity(8);
+pub(super) fn sweep(roads: &impl Roads, window: &[u32], ends: [u32; 2], tabu: impl Fn(u32) -> bool, found: &mut BTreeSet<u32>) -> Vec<u32> {
+    let (mut exits, mut new): (Vec<Exit>, _) = (Vec::with_capacity(8), Vec::new());
     loop {
-        let before = found.len();
+        let before = new.len();
         for &node in window.iter().filter(|node| !ends.contains(node)) {
             if tabu(node) || found.contains(&node) {
                 continue;
             }
             roads.exits(node, &mut exits);
             if exits.iter().filter(|e| !tabu(e.to) && !found.contains(&e.to)).count() <= 1 {
-                found.push(node);
+                found.insert(node);
+                new.push(node);
             }
         }
-        if found.len() == before {
-            return;
+        if new.len() == before {
+            return new;
         }
     }
 }

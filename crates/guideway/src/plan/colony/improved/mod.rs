@@ -129,6 +129,8 @@ pub struct ImprovedAco {
     pub seeding: Seeding,
     /// Cut loops out of the ways of ants?
     pub loop_cutting: bool,
+    /// Steps that an ant may take, in steps of the best trail so far; 0: no limit but that of the source.
+    pub leash: f64,
     /// Cut loops out of the ways of kings?
     pub king_cutting: bool,
     /// After every so many iterations without improvement local search works on the best trail of the iteration; 0: never.
@@ -147,6 +149,7 @@ impl Default for ImprovedAco {
             preset: Preset::Default,
             o2: false,
             o3: false,
+            o4: false,
             o5: false,
             conversion: Conversion::Entropy,
             beta: 12.0,
@@ -157,6 +160,7 @@ impl Default for ImprovedAco {
             least: 0.01,
             seeding: Seeding::AnyAngle,
             loop_cutting: true,
+            leash: 20.0,
             polish: 5,
             restart: 0.02,
             learning: true,
@@ -196,6 +200,7 @@ impl ImprovedAco {
             max_curvature: 0.28,
             seeding: Seeding::Off,
             loop_cutting: false,
+            leash: 0.0,
             king_cutting: false,
             polish: 0,
             restart: 0.0,
@@ -216,6 +221,7 @@ impl ImprovedAco {
             check::positive(name, value)?;
         }
         check::positive("max_curvature", self.max_curvature)?;
+        check::leash(self.leash)?;
         check::order("least", self.least, "most", self.most)
     }
 

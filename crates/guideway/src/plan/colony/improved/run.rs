@@ -135,6 +135,7 @@ impl<'a, R: Roads> Run<'a, R> {
     }
 
     fn iteration(&mut self, number: u64, progress: f64, ctx: &mut Context) -> Result<(), Stop> {
+        self.crew.keep_on_leash(self.best.as_ref(), self.method.leash);
         let outcomes = self.walks(number, ctx)?;
         let again: u64 = outcomes.iter().map(|o| u64::from(o.again)).sum();
         ctx.count_evaluations(again);

@@ -1,6 +1,6 @@
 //! Ants walk from the start to the goal and back, with a heuristic of its own in each direction.
 //!
-//! Source: \[han2024\], section 6: (1) `eta = 1 / (d_ij + d_jg)` with g where the ant is heading, (2) `tau <- (1 - rho) tau + sum_k Q / L_k` after each half of an
+//! Source: \[han2024\]: (1) `eta = 1 / (d_ij + d_jg)` with g where the ant is heading, (2) `tau <- (1 - rho) tau + sum_k Q / L_k` after each half of an
 //! iteration, the same in both directions, within bounds.
 //!
 //! | symbol | field |

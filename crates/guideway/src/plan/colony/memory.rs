@@ -1,6 +1,6 @@
 //! Incremental replanning: the pheromone of the last plan is kept, roads that are shut now fall to the lower bound, and the last way is repaired.
 //!
-//! Source: \[lu2025\], section 7. Departures: the last way is bridged where it is blocked by shortest lattice paths and is what the ants have to beat.
+//! Source: \[lu2025\]. Departures: the last way is bridged where it is blocked by shortest lattice paths and is what the ants have to beat.
 
 use super::Task;
 use super::crew::better;

@@ -1,6 +1,6 @@
 //! A grouped particle swarm finds a good way, which raises the pheromone that a bidirectional ant colony begins with.
 //!
-//! Source: \[han2024\], section 7: swarm of `swarm_iterations`, then `tau = tau_0 (1 + 2 L_lb / L_pso)` along its way with `L_lb` the octile distance, then
+//! Source: \[han2024\]: swarm of `swarm_iterations`, then `tau = tau_0 (1 + 2 L_lb / L_pso)` along its way with `L_lb` the octile distance, then
 //! the colony of [`BidirectionalAco`]; the best way of both is the answer.
 //!
 //! | symbol | field |

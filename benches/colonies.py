@@ -69,21 +69,22 @@ def single(calls: int) -> None:
 
 
 def growth(maps: int, calls: int) -> None:
-    print(f"\n| blocked | {' | '.join(f'{size} x {size} ms' for size in SIZES)} | exponent | 95 % | limit {LIMIT} | the source |\n|{'---|' * 9}")
-    for density in DENSITIES:
+    head = ["graph", "blocked", *(f"{size} x {size} ms" for size in SIZES), "exponent", "95 %", f"limit {LIMIT}", "the source"]
+    print(f"\n| {' | '.join(head)} |\n|{'---|' * len(head)}")
+    for graph, density in [(graph, density) for graph in ("lattice", "corners") for density in DENSITIES]:
         points, shown = [], []
         for size in SIZES:
             found = []
             for seed in range(maps):
                 scene = gw.scenes.complexity(size, density, seed)
-                found.append(statistics.median(seconds(colony(scene, "improved-aco", OFF), calls)))
+                found.append(statistics.median(seconds(colony(scene, "improved-aco", OFF | {"graph": graph}), calls)))
             points += [(np.log(size), np.log(t)) for t in found]
             shown.append(f"{1e3 * statistics.mean(found):.1f}")
         fit = stats.linregress(*np.array(points).T)
         half = stats.t.ppf(0.975, len(points) - 2) * fit.stderr
         verdict = "met" if fit.slope <= LIMIT else "missed"
         interval = f"{fit.slope - half:.2f}-{fit.slope + half:.2f}"
-        print(f"| {density:.0%} | {' | '.join(shown)} | {fit.slope:.2f} | {interval} | {verdict} | {SOURCE.get(density, '')} |", flush=True)
+        print(f"| {graph} | {density:.0%} | {' | '.join(shown)} | {fit.slope:.2f} | {interval} | {verdict} | {SOURCE.get(density, '')} |", flush=True)
 
 
 def threads(pairs: int) -> None:

@@ -9,7 +9,7 @@
 //! | alpha, beta, rho, Q | `alpha`, `beta`, `evaporation`, `deposit` |
 //! | `tau_0`, bounds | `initial`, `least`, `most` |
 //!
-//! Departures: `loop_cutting`, `leash` (ants that wander are given up), `elitist` (the best so far deposits as well), `polish` (local search on the best of a half when the colony stands still) and `restart` (back to the
+//! Departures: `loop_cutting`, `leash` (ants that wander are given up), `horizon` (far from the target ants tell directions apart as well as near it), `elitist` (the best so far deposits as well), `polish` (local search on the best of a half when the colony stands still) and `restart` (back to the
 //! initial pheromone, with the best kept, when the choices along the best trail are decided) are ours; `preset=paper` switches them off.
 
 use super::crew::{Crew, March, best_of, better};
@@ -56,6 +56,8 @@ pub struct BidirectionalAco {
     pub loop_cutting: bool,
     /// Steps that an ant may take, in steps of the best trail so far; 0: no limit but that of the source.
     pub leash: f64,
+    /// Distance to the target, cells, beyond which ants tell directions apart as well as there; 0: none.
+    pub horizon: f64,
     /// Does the best so far deposit in every half?
     pub elitist: bool,
     /// Iterations without improvement after which local search works on the best trails; 0: never. (From the first on it would take the colony's
@@ -76,6 +78,7 @@ impl Default for BidirectionalAco {
             seeding: Seeding::AnyAngle,
             loop_cutting: true,
             leash: 20.0,
+            horizon: 15.0,
             elitist: true,
             polish: 5,
             restart: 0.02,
@@ -103,6 +106,7 @@ impl BidirectionalAco {
             seeding: Seeding::Off,
             loop_cutting: false,
             leash: 0.0,
+            horizon: 0.0,
             elitist: false,
             polish: 0,
             restart: 0.0,
@@ -117,6 +121,7 @@ impl BidirectionalAco {
         check::share("evaporation", self.evaporation)?;
         check::share("restart", self.restart)?;
         check::leash(self.leash)?;
+        check::horizon(self.horizon)?;
         for (name, value) in [("deposit", self.deposit), ("initial", self.initial), ("least", self.least), ("most", self.most)] {
             check::positive(name, value)?;
         }
@@ -181,7 +186,7 @@ impl<'a> Run<'a> {
     fn new(method: &'a BidirectionalAco, task: &'a Task<'a>, begin: Option<Trail>, ctx: &Context) -> Self {
         let crew = Crew::new(task.roads, task.aim, method.loop_cutting, task.steps(), ctx);
         let tau = Pheromone::new(task.roads, |_| method.initial, method.evaporation, [method.least, method.most]);
-        let choices = Choices::new(task.roads, method.rule(), task.goal);
+        let choices = Choices::new(task.roads, method.rule(), task.goal).with_horizon(method.horizon);
         let mut run = Self { method, task, crew, tau, choices, best: begin, still: 0, restarts: 0 };
         run.raise();
         run

@@ -41,3 +41,8 @@ pub fn order(low: &str, least: f64, high: &str, most: f64) -> Result<(), PlanErr
 pub fn leash(value: f64) -> Result<(), PlanError> {
     if value == 0.0 || (1.0..=1e6).contains(&value) { Ok(()) } else { Err(PlanError::bad("leash", value, "0 (none) or 1 to 1e6")) }
 }
+
+/// A distance in cells.
+pub fn horizon(value: f64) -> Result<(), PlanError> {
+    if (0.0..=1e6).contains(&value) { Ok(()) } else { Err(PlanError::bad("horizon", value, "0 (none) to 1e6 cells")) }
+}

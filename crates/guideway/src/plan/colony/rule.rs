@@ -73,16 +73,24 @@ pub(in crate::plan) struct Choices {
     desks: Paged<Desk, 8>,
     /// What is left of the shortest way of a node in the distances of its exits; 1: all.
     focus: f64,
+    /// Distances differ as they do that far from the target, cells, or nearer.
+    horizon: f64,
 }
 
 impl Choices {
     pub fn new(roads: &impl Roads, rule: Rule, target: u32) -> Self {
-        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()), focus: 1.0 }
+        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()), focus: 1.0, horizon: f64::INFINITY }
     }
 
     /// Distances count from `1 - focus` of the shortest one of the node on: on long ways all are nearly alike otherwise.
     pub fn with_focus(mut self, focus: f64) -> Self {
         self.focus = focus;
+        self
+    }
+
+    /// Beyond that many cells (0: never) the directions are told apart as well as there: from far away all are nearly alike otherwise.
+    pub fn with_horizon(mut self, cells: f64) -> Self {
+        self.horizon = if cells > 0.0 { cells } else { f64::INFINITY };
         self
     }
 
@@ -111,15 +119,14 @@ impl Choices {
         }
     }
 
-    /// ln of the weights of exits, not normalised; `exits` shows them.
-    fn logs(&self, roads: &impl Roads, tau: &Pheromone, exits: impl Fn(&mut dyn FnMut(Exit)), logs: &mut Vec<f64>) {
-        let mut less = 0.0;
-        if self.focus < 1.0 {
-            let mut least = f64::INFINITY;
-            exits(&mut |exit| least = least.min(self.distance(roads, exit)));
-            less = (1.0 - self.focus) * least;
-        }
-        exits(&mut |exit| logs.push(self.rule.alpha.mul_add(tau.ln(exit), -self.rule.beta * (self.distance(roads, exit) - less).ln())));
+    /// What is taken off all distances of a node whose shortest is `least`.
+    fn less(&self, least: f64) -> f64 {
+        ((1.0 - self.focus) * least).max(least - self.horizon).max(0.0)
+    }
+
+    /// ln of an exit's weight, not normalised.
+    fn ln(&self, tau: &Pheromone, exit: Exit, distance: f64) -> f64 {
+        self.rule.alpha.mul_add(tau.ln(exit), -self.rule.beta * distance.ln())
     }
 
     /// Weights of all `count` exits of a node, computed if they are not there.
@@ -128,11 +135,21 @@ impl Choices {
         let weights = desk.weights(count);
         if desk.round.load(Ordering::Acquire) != self.round {
             // Two threads may both come here; they store the same values.
-            let mut logs = Vec::with_capacity(count);
-            self.logs(roads, tau, |see| roads.visit(node, see), &mut logs);
+            let (mut few, mut many) = ([0.0; FEW], Vec::new());
+            let logs = if count <= FEW {
+                &mut few[..count]
+            } else {
+                many.resize(count, 0.0);
+                &mut many[..]
+            };
+            let mut next = logs.iter_mut();
+            roads.visit(node, |exit| next.next().into_iter().for_each(|log| *log = self.distance(roads, exit)));
+            let less = self.less(logs.iter().copied().fold(f64::INFINITY, f64::min));
+            let mut next = logs.iter_mut();
+            roads.visit(node, |exit| next.next().into_iter().for_each(|log| *log = self.ln(tau, exit, *log - less)));
             let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             for (weight, ln) in weights.iter().zip(logs) {
-                weight.store(((ln - most).exp() as f32).to_bits(), Ordering::Relaxed);
+                weight.store(((*ln - most).exp() as f32).to_bits(), Ordering::Relaxed);
             }
             desk.round.store(self.round, Ordering::Release);
         }
@@ -160,13 +177,17 @@ impl Choices {
         ahead.filter(|open| (open.weight - drawn.weight).abs() <= 1e-6 * drawn.weight).unwrap_or(drawn).exit
     }
 
+    /// Weighs the open exits among themselves.
     fn among(&self, roads: &impl Roads, tau: &Pheromone, ask: &mut Ask) -> f32 {
-        let mut logs = Vec::with_capacity(ask.open.len());
-        self.logs(roads, tau, |see| ask.open.iter().for_each(|open| see(open.exit)), &mut logs);
+        let mut logs: Vec<f64> = ask.open.iter().map(|open| self.distance(roads, open.exit)).collect();
+        let less = self.less(logs.iter().copied().fold(f64::INFINITY, f64::min));
+        for (log, open) in logs.iter_mut().zip(ask.open.iter()) {
+            *log = self.ln(tau, open.exit, *log - less);
+        }
         let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut sum = 0.0;
-        for (open, ln) in ask.open.iter_mut().zip(logs) {
-            open.weight = (ln - most).exp() as f32;
+        for (open, log) in ask.open.iter_mut().zip(logs) {
+            open.weight = (log - most).exp() as f32;
             sum += open.weight;
         }
         sum

@@ -131,6 +131,8 @@ pub struct ImprovedAco {
     pub loop_cutting: bool,
     /// Steps that an ant may take, in steps of the best trail so far; 0: no limit but that of the source.
     pub leash: f64,
+    /// Distance to the target, cells, beyond which ants tell directions apart as well as there; 0: none.
+    pub horizon: f64,
     /// Cut loops out of the ways of kings?
     pub king_cutting: bool,
     /// After every so many iterations without improvement local search works on the best trail of the iteration; 0: never.
@@ -161,6 +163,7 @@ impl Default for ImprovedAco {
             seeding: Seeding::AnyAngle,
             loop_cutting: true,
             leash: 20.0,
+            horizon: 15.0,
             polish: 5,
             restart: 0.02,
             learning: true,
@@ -201,6 +204,7 @@ impl ImprovedAco {
             seeding: Seeding::Off,
             loop_cutting: false,
             leash: 0.0,
+            horizon: 0.0,
             king_cutting: false,
             polish: 0,
             restart: 0.0,
@@ -222,6 +226,7 @@ impl ImprovedAco {
         }
         check::positive("max_curvature", self.max_curvature)?;
         check::leash(self.leash)?;
+        check::horizon(self.horizon)?;
         check::order("least", self.least, "most", self.most)
     }
 

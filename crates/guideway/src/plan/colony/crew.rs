@@ -7,8 +7,9 @@ use super::walk::{Legs, Trail};
 use crate::context::{Context, Stop, stream};
 use crate::plan::score::Aim;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
-use std::sync::Mutex;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 /// Nodes that may be looked at between two questions whether to go on.
 const PATIENCE: usize = 1 << 21;
@@ -43,19 +44,18 @@ impl<'a, R: Roads> Crew<'a, R> {
     pub fn new(roads: &'a R, aim: Aim, cut: bool, steps: usize, ctx: &Context) -> Self {
         let threads = ctx.threads();
         // Without worker threads (the system refuses them) the work is done here.
-        let workers = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()).flatten();
+        let workers = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads - 1).build().ok()).flatten();
         Self { roads, aim, cut, steps, most: steps, legs: Mutex::default(), workers }
     }
 
     /// Sends the ants out; `walk` is what one of them does. Results are in the order of the ants, whatever the number of threads.
-    pub fn march<T: Send>(
+    pub fn march<T: Send + Sync>(
         &self,
         march: &March,
         ctx: &mut Context,
         walk: impl Fn(usize, &mut Legs, &mut ChaCha8Rng) -> T + Sync,
     ) -> Result<Vec<T>, Stop> {
-        let threads = self.workers.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
-        let chunk = (PATIENCE / self.roads.nodes().max(1)).max(threads).min(march.ants.max(1));
+        let chunk = (PATIENCE / self.roads.nodes().max(1)).max(1 + self.others()).min(march.ants.max(1));
         let seed = ctx.seed();
         let one = |ant: usize, legs: &mut Legs| {
             legs.set_out(march.from);
@@ -68,32 +68,43 @@ impl<'a, R: Roads> Crew<'a, R> {
             {
                 return Err(stop);
             }
-            let ants = first..(first + chunk).min(march.ants);
-            match &self.workers {
-                None => {
-                    let mut legs = self.borrow();
-                    done.extend(ants.map(|ant| one(ant, &mut legs)));
-                    self.give_back(legs);
-                }
-                Some(workers) => {
-                    let share = ants.len().div_ceil(2 * threads);
-                    let parts: Vec<Vec<T>> = workers.install(|| {
-                        let ants: Vec<usize> = ants.collect();
-                        ants.par_chunks(share)
-                            .map(|part| {
-                                let mut legs = self.borrow();
-                                let found = part.iter().map(|ant| one(*ant, &mut legs)).collect();
-                                self.give_back(legs);
-                                found
-                            })
-                            .collect()
-                    });
-                    done.extend(parts.into_iter().flatten());
-                }
-            }
+            self.together(first..(first + chunk).min(march.ants), &one, &mut done);
         }
         ctx.count_evaluations(march.ants as u64);
         Ok(done)
+    }
+
+    /// Threads besides this one.
+    fn others(&self) -> usize {
+        self.workers.as_ref().map_or(0, rayon::ThreadPool::current_num_threads)
+    }
+
+    /// Walks of some ants, in their order. This thread does not wait for the others to wake up: whoever is free takes the next ant.
+    fn together<T: Send + Sync>(&self, ants: Range<usize>, one: &(impl Fn(usize, &mut Legs) -> T + Sync), done: &mut Vec<T>) {
+        let Some(workers) = &self.workers else {
+            let mut legs = self.borrow();
+            done.extend(ants.map(|ant| one(ant, &mut legs)));
+            self.give_back(legs);
+            return;
+        };
+        let (next, places) = (AtomicUsize::new(0), ants.clone().map(|_| OnceLock::new()).collect::<Vec<_>>());
+        let work = || {
+            let mut legs = self.borrow();
+            loop {
+                let k = next.fetch_add(1, Ordering::Relaxed);
+                let Some(place) = places.get(k) else { break };
+                // Nobody else has this place.
+                let _ = place.set(one(ants.start + k, &mut legs));
+            }
+            self.give_back(legs);
+        };
+        workers.in_place_scope(|scope| {
+            for _ in 0..self.others() {
+                scope.spawn(|_| work());
+            }
+            work();
+        });
+        done.extend(places.into_iter().filter_map(OnceLock::into_inner));
     }
 
     fn borrow(&self) -> Legs {

@@ -163,6 +163,7 @@ impl BidirectionalAco {
             }
             run.restart();
         }
+        run.choices.forget();
         let mut found = Found::new(task, run.best, stop, &run.tau, ctx);
         found.trace["restarts"] = json!(run.restarts);
         found

@@ -163,7 +163,7 @@ fn lost(stop: Stop) -> &'static str {
 }
 
 /// Most cells that a picture of the pheromone holds.
-const PICTURE: usize = 20_000;
+const PICTURE: usize = 5_000;
 
 /// The strongest concentration out of each cell that ants marked, `[x, y, value]` with row 0 at the bottom, as a trace.
 fn picture(roads: &Streets, tau: &Pheromone) -> Value {

@@ -46,13 +46,6 @@ struct Desk {
     /// Round in which they were computed.
     round: AtomicU32,
     few: [AtomicU32; FEW],
-    many: OnceLock<Box<[AtomicU32]>>,
-}
-
-impl Desk {
-    fn weights(&self, count: usize) -> &[AtomicU32] {
-        if count <= FEW { &self.few } else { self.many.get_or_init(|| std::iter::repeat_with(AtomicU32::default).take(count).collect()) }
-    }
 }
 
 /// An exit that an ant may take.
@@ -71,6 +64,8 @@ pub(in crate::plan) struct Choices {
     target: u32,
     round: u32,
     desks: Paged<Desk, 8>,
+    /// Weights of nodes with more than [`FEW`] exits.
+    many: Paged<OnceLock<Box<[AtomicU32]>>, 8>,
     /// What is left of the shortest way of a node in the distances of its exits; 1: all.
     focus: f64,
     /// Distances differ as they do that far from the target, cells, or nearer.
@@ -79,7 +74,7 @@ pub(in crate::plan) struct Choices {
 
 impl Choices {
     pub fn new(roads: &impl Roads, rule: Rule, target: u32) -> Self {
-        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()), focus: 1.0, horizon: f64::INFINITY }
+        Self { rule, target, round: 1, desks: Paged::new(roads.nodes()), many: Paged::new(roads.nodes()), focus: 1.0, horizon: f64::INFINITY }
     }
 
     /// Distances count from `1 - focus` of the shortest one of the node on: on long ways all are nearly alike otherwise.
@@ -98,6 +93,12 @@ impl Choices {
     pub fn renew(&mut self, rule: Rule, target: u32) {
         self.round += 1;
         (self.rule, self.target) = (rule, target);
+    }
+
+    /// Gives the memory of all weights back.
+    pub fn forget(&mut self) {
+        self.desks.clear();
+        self.many.clear();
     }
 
     /// How the ants choose.
@@ -132,7 +133,8 @@ impl Choices {
     /// Weights of all `count` exits of a node, computed if they are not there.
     fn weights(&self, roads: &impl Roads, tau: &Pheromone, node: u32, count: usize) -> &[AtomicU32] {
         let desk = self.desks.at(node as usize);
-        let weights = desk.weights(count);
+        let fresh = || std::iter::repeat_with(AtomicU32::default).take(count).collect();
+        let weights = if count <= FEW { &desk.few } else { &**self.many.at(node as usize).get_or_init(fresh) };
         if desk.round.load(Ordering::Acquire) != self.round {
             // Two threads may both come here; they store the same values.
             let (mut few, mut many) = ([0.0; FEW], Vec::new());

@@ -281,6 +281,7 @@ impl ImprovedAco {
             known.spread(task, &mut run.tau, self.least);
         }
         let (mut run, stop) = run.finish(ctx);
+        run.forget();
         let mut found = Found::new(task, run.best.take(), stop, &run.tau, ctx);
         let trace = &mut found.trace;
         trace["restarts"] = json!(run.restarts);

@@ -218,6 +218,11 @@ impl<'a, R: Roads> Run<'a, R> {
         sum / inner.len().max(1) as f64
     }
 
+    /// Gives the memory of the ants' choices back.
+    pub fn forget(&mut self) {
+        std::iter::once(&mut self.choices).chain(&mut self.royal).for_each(Choices::forget);
+    }
+
     /// Number of kings.
     pub fn kings(&self) -> usize {
         self.roles.iter().filter(|r| **r == Role::King).count()

@@ -22,10 +22,10 @@ pub(super) fn stations(path: &Path, query: &Query, lattice: &Lattice) -> Option<
     if path.degree() != 1 || path.dimension() != 2 {
         return None;
     }
-    let (points, stops) = (path.points(), query.stops());
+    let points = path.points();
     let mut stations: Vec<Station> = Vec::with_capacity(points.len());
     for (i, &point) in points.iter().enumerate() {
-        let fixed = i == 0 || i + 1 == points.len() || stops.iter().any(|stop| distance(*stop, point) < 1e-9);
+        let fixed = i == 0 || i + 1 == points.len() || query.via.iter().any(|via| distance(*via, point) < 1e-9);
         let cell = lattice.cell_at(point).filter(|cell| distance(lattice.center(*cell), point) <= 1e-7 * lattice.resolution());
         if cell.is_none() && !fixed {
             return None;

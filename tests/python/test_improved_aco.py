@@ -17,7 +17,7 @@ def test_the_settings_of_the_source_on_the_command_line(capsys):
     first = json.loads(capsys.readouterr().out)
     assert main([*words, "--threads", "2"]) == 0
     second = json.loads(capsys.readouterr().out)
-    assert first["planner"]["name"] == "improved-aco"
+    assert (first["planner"], first["parameters"]["preset"], first["parameters"]["loop_cutting"]) == ("improved-aco", "paper", False)
     assert first["path"] == second["path"]
 
 

@@ -52,6 +52,7 @@ class Job:
             half_width=self.half_width,
             corners=self.corners,
             material=self.material,
+            limits=self.limits,
         )
 
 
@@ -192,7 +193,7 @@ def plain_search(solution: _core.Solution) -> dict[str, Any]:
         "seconds": solution.seconds,
         "stop": solution.stop,
         "history": [[int(iteration), cost] for iteration, cost in solution.history.tolist()],
-        "raw_length": solution.cost,
+        "raw_length": solution.length,
     }
 
 

@@ -84,7 +84,7 @@ fn ends(path: &guideway::path::Path, query: &guideway::query::Query) -> Check {
 #[pyfunction]
 #[pyo3(signature = (query, solution, *, observe=None))]
 pub fn reference<'py>(py: Python<'py>, query: &Query, solution: &Solution, observe: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
-    let (inner, cost, lattice) = (&query.inner, solution.inner.cost, solution.inner.cells.is_some());
+    let (inner, cost, lattice) = (&query.inner, solution.inner.length(), solution.inner.cells.is_some());
     let known = (solution.planner == "visibility" && solution.inner.stop != Stop::Cancelled).then(|| solution.inner.clone());
     let (result, raised) = watched(py, 0, Budget::default(), 1, observe, |ctx| {
         let reference = search::reference(inner, cost, known, ctx)?;

@@ -60,7 +60,12 @@ impl Solution {
     fn trajectory(&self) -> Option<crate::motion::Trajectory> {
         self.inner.trajectory.clone().map(|inner| crate::motion::Trajectory { inner })
     }
-    /// Cost in the planner's own model (its length in m unless its page says otherwise).
+    /// Length of the raw path, m.
+    #[getter]
+    fn length(&self) -> f64 {
+        self.inner.length()
+    }
+    /// Cost in the planner's own model: its length in m, or the value of its objective where the trace describes one.
     #[getter]
     fn cost(&self) -> f64 {
         self.inner.cost

@@ -4,7 +4,7 @@ use crate::convert::from_python;
 use crate::errors::{OrPy, to_py};
 use crate::world::World;
 use guideway::error::PlanError;
-use guideway::query::{self, Material};
+use guideway::query::{self, Limits, Material};
 use guideway::world::{Corners, Footprint};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -12,6 +12,7 @@ use std::sync::Arc;
 /// From where to where, with which robot, how close to obstacles.
 ///
 /// `start` and `goal` are (x, y) or (x, y, yaw) in m and rad. `corners` defaults by material: standard and heavy touch, long clear.
+/// `limits` (:class:`Limits`) are read by planners that plan path and speed at once, such as `aide`; others leave them to :func:`time`.
 /// `half_width` (m) is that of a long load; with `material="long"` and `clear` every planner keeps off obstacles by at least half a cell.
 #[pyclass(frozen, module = "guideway")]
 pub struct Query {
@@ -23,7 +24,7 @@ pub struct Query {
 #[pymethods]
 impl Query {
     #[new]
-    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, half_width=0.0, corners=None, material="standard"))]
+    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, half_width=0.0, corners=None, material="standard", limits=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     #[expect(clippy::needless_pass_by_value, reason = "the binding's extraction hands them over by value")]
     fn new(
@@ -37,6 +38,7 @@ impl Query {
         half_width: f64,
         corners: Option<&str>,
         material: &str,
+        limits: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let ((start, start_yaw), (goal, goal_yaw)) = (pose("start", &start)?, pose("goal", &goal)?);
         let mut inner = query::Query::new(Arc::clone(&world.get().inner), start, goal);
@@ -52,6 +54,9 @@ impl Query {
             "heavy" => Material::Heavy,
             other => return Err(to_py(py, &PlanError::bad("material", other, "one of standard, long, heavy"))),
         };
+        if let Some(limits) = limits {
+            inner.limits = from_python::<Limits>("limits", &limits)?.validated().or_py(py)?;
+        }
         inner.corners = match corners {
             Some(rule) => corner_rule(py, rule)?,
             None if inner.material == Material::Long => Corners::Clear,
@@ -109,6 +114,11 @@ impl Query {
     #[getter]
     fn material<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         crate::convert::to_python(py, &self.inner.material)
+    }
+    /// What a motion may do, as a dictionary; read by planners that plan path and speed at once.
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        crate::convert::to_python(py, &self.inner.limits)
     }
     /// Radius of the disc that planners keep free around the reference point, m.
     #[getter]

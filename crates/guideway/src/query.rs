@@ -90,6 +90,8 @@ pub struct Query {
     pub corners: Corners,
     /// Transported material.
     pub material: Material,
+    /// What a motion may do; read by planners that plan path and speed at once.
+    pub limits: Limits,
 }
 
 impl Query {
@@ -107,6 +109,7 @@ impl Query {
             half_width: 0.0,
             corners: Corners::default(),
             material: Material::default(),
+            limits: Limits::default(),
         }
     }
 
@@ -153,6 +156,7 @@ impl Query {
                 return Err(PlanError::bad(name, yaw, "a finite angle, rad"));
             }
         }
+        self.limits.validated()?;
         let needed = self.radius();
         let stops = 1 + self.via.len();
         for (i, point) in std::iter::once(&self.start).chain(&self.via).chain(std::iter::once(&self.goal)).enumerate() {

@@ -68,7 +68,7 @@ def _row(arguments: argparse.Namespace, world: _core.World, number: int, row: An
         solution = _core.plan(
             query, arguments.planner or "visibility", seed=arguments.seed or 0, budget=budget, set=settings, threads=arguments.threads
         )
-        record["length"], record["seconds"] = solution.cost, solution.seconds
+        record["length"], record["seconds"] = solution.length, solution.seconds
     except BadParameter:
         raise
     except PlanningError as error:

@@ -29,7 +29,7 @@ pub struct Solution {
     pub path: Path,
     /// Cells of a lattice planner, start cell to goal cell, every step to a neighbour (`None` for planners that are not on the lattice).
     pub cells: Option<Vec<Cell>>,
-    /// Cost of the path in the planner's own model; its length in m unless the planner says otherwise.
+    /// Cost of the path in the planner's own model; its length in m, or the value of its objective where `trace.objective` describes one.
     pub cost: f64,
     /// Motion, for planners that plan path and speed at once.
     pub trajectory: Option<Trajectory>,
@@ -50,6 +50,11 @@ pub struct Solution {
 }
 
 impl Solution {
+    /// Length of the raw path, m, as exactly as the planner knows it.
+    pub fn length(&self) -> f64 {
+        if self.trace.get("objective").is_some() { self.path.length() } else { self.cost }
+    }
+
     /// What a search found that ran to its end: `cost` in m, `expansions` nodes expanded; no cells.
     fn of_search(path: Path, cost: f64, expansions: u64, ctx: &Context) -> Self {
         Self {

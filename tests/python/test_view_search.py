@@ -108,5 +108,5 @@ def test_the_page_charts_the_search(tmp_path: Path) -> None:
     assert "Best path over the iterations" in done.stdout
     assert f"exact optimum {found['reference']['grid_optimum']:.3f}" in done.stdout
     assert re.search(r">swarm<.*>colony<", done.stdout)
-    assert "Last population" in done.stdout
+    assert "Population" in done.stdout
     assert re.search(r'class="ramp scent"[^>]*>0.01<', done.stdout)

@@ -18,7 +18,7 @@ from .products import expand
 from .profile import plan_profile, run_profile
 from .scenery import Scenery, Snapshot, picture
 
-SCRIPTS = ("motion.js", "raster.js", "layers.js", "map.js", "plots.js", "search.js", "panel.js", "alternatives.js", "report.js")
+SCRIPTS = ("motion.js", "raster.js", "layers.js", "map.js", "plots.js", "search.js", "loop.js", "panel.js", "alternatives.js", "report.js")
 ROUNDED = {"polyline": 5, "raw_path": 5, "grid_path": 5, "driven": 5, "states": 4, "speed_ceiling": 5, "history": 6}
 """Long tables and the decimals that a picture needs of them."""
 MOST_HISTORY = 800

@@ -114,7 +114,9 @@ function makeMap(canvas, scene, events) {
     const lead = now.entries.find((e) => e.leading);
     if (lead && lead.scent && layers.scent) drawScent(ink, view, lead.scent, colour);
     if (layers.swept) for (const entry of now.entries.filter((e) => e.active)) drawSwept(ink, view, entry, entryColour(entry.index));
-    if (lead && layers.crowd) drawCrowd(ink, view, lead.crowd, colour.ink);
+    if (lead && layers.tree && lead.tree.length) drawTree(ink, view, lead.tree, colour.soft);
+    if (lead && layers.crowd) drawCrowd(ink, view, crowdAt(lead, now.generation), colour.ink);
+    if (lead && layers.classes) drawClasses(ink, view, lead.classes, colour);
     const ordered = [...now.entries].sort((a, b) => a.active - b.active);
     for (const entry of ordered) drawPaths(ink, entry, layers);
     drawAxes(ink, view, colour, layers.grid);

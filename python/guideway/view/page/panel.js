@@ -210,8 +210,13 @@ const STEP_NAMES = { mean: ["Mean", "ms"], p50: ["Half within", "ms"], p95: ["95
 const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
 
 /** Tables of a plan: how it was found, what came out, the certificate, the distance to the optimum. */
-const planBlocks = ({ data }, chart) => [
-  block("Best path over the iterations", chart),
+const planBlocks = (entry, chart, breed) => [
+  block(entry.data.trace && entry.data.trace.objective ? "Objective over the generations" : "Best path over the iterations", chart, generationSlider(entry, breed)),
+  ...loopBlocks(entry),
+  ...factBlocks(entry),
+];
+
+const factBlocks = ({ data }) => [
   block("Metrics of the plan", tableOf(data.metrics, METRICS)),
   block("Candidates for least energy", candidateTable(data)),
   block("Certificate", checksOf(record(data.certificate))),
@@ -225,7 +230,7 @@ function runBlocks({ data }, seek, skip) {
   return [block("Drive", tableOf(flat(figures), RUN_NAMES)), block("Events", eventList(data.events, seek)), block("Time of one control step", tableOf(steps, STEP_NAMES))];
 }
 
-function fillDetails(host, entry, partner, { seek, shown }) {
+function fillDetails(host, entry, partner, { seek, shown, breed }) {
   const { data } = entry;
   const source = partner ? partner.data : data;
   const search = record(source.search);
@@ -239,7 +244,7 @@ function fillDetails(host, entry, partner, { seek, shown }) {
     block("Task", tableOf(data.query, { clearance: ["Clearance", "m"], half_width: ["Half-width of a long load", "m"], arrival: ["Arrived within", "m"] })),
     block("Map", tableOf(data.world, { resolution: ["Resolution", "m"], width: ["Width", "cells"], height: ["Height", "cells"] })),
   ];
-  const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner, convergenceOf(partner, [])) : [])] : planBlocks(entry, convergenceOf(entry, shown));
+  const results = entry.kind === "run" ? [...runBlocks(entry, seek, named), ...(partner ? planBlocks(partner, convergenceOf(partner, []), breed) : [])] : planBlocks(entry, convergenceOf(entry, shown), breed);
   host.replaceChildren(...results.filter(Boolean), make("div", { class: "pair" }, ...settings.filter(Boolean)));
 }
 

@@ -4,7 +4,7 @@ const byId = (id) => document.getElementById(id);
 const bundle = JSON.parse(byId("data").textContent);
 const entries = list(bundle.entries).map(makeEntry);
 const state = {
-  t: 0, ghost: null, alternative: null, playing: false, rate: 1, active: 0,
+  t: 0, ghost: null, alternative: null, generation: null, playing: false, rate: 1, active: 0,
   visible: new Set(entries.map((_, i) => i)),
   layers: Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.on])),
 };
@@ -23,7 +23,7 @@ function makeEntry(source, index) {
     world: finite(source.world) ? list(bundle.worlds)[source.world] : null,
     rows: run ? motion.rows.map((row) => [row[1], row[2]]) : pointsOf(data.polyline),
     raw: pointsOf(list(data.raw_path).length ? data.raw_path : data.grid_path), optimum: pointsOf(record(data.reference).path),
-    scent: scentOf(data), crowd: crowdOf(data),
+    scent: scentOf(data), crowd: crowdOf(data), generations: generationsOf(data), classes: classesOf(data), tree: treeOf(data),
     planned: run ? pointsOf(record(data.plan).polyline) : [], movers: list(data.movers).map(record).map(makeMover), stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
   };
 }
@@ -66,7 +66,7 @@ const leading = () => (current() ? partnerOf(current()) || current() : null);
 
 const scene = () => ({
   entries: shownEntries().map((entry) => Object.assign(entry, { active: entry.index === state.active, shadow: entry.kind === "plan" && shownEntries().some((other) => other.kind === "run"), leading: entry === leading() })),
-  world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, alternative: state.alternative, home: homeBox(),
+  world: current() ? current().world : null, layers: state.layers, t: state.t, ghost: state.ghost, alternative: state.alternative, generation: state.generation, home: homeBox(),
 });
 
 /** Width of the map that the open list of layers hides on its left, pixels. */
@@ -238,7 +238,7 @@ function plotSpecs() {
 function hasLayer(id) {
   const some = (test) => entries.some(test);
   const tests = {
-    shade: () => some((e) => e.world && e.world.shade), scent: () => some((e) => e.scent), crowd: () => some((e) => e.crowd.length), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
+    shade: () => some((e) => e.world && e.world.shade), scent: () => some((e) => e.scent), crowd: () => some((e) => e.crowd.length || e.generations.length), classes: () => some((e) => e.classes.length), tree: () => some((e) => e.tree.length), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
     points: () => some((e) => e.rows.length > 1), swept: () => some((e) => radiusOf(e.footprint) > 0), driven: () => some((e) => e.kind === "run"), robot: () => some((e) => e.rows.length),
     movers: () => some((e) => e.movers.length), stops: () => some((e) => e.stops.length), grid: () => true,
   };
@@ -253,6 +253,8 @@ function swatch(id) {
   const planColour = () => (current() && current().kind === "plan" ? own : `var(--entry-${(entries.find((e) => e.kind === "plan") || { index: 0 }).index % 6})`);
   const shapes = {
     shade: () => box({ fill: "var(--near)", stroke: "var(--line)" }), scent: () => box({ fill: "var(--scent-2)" }),
+    tree: () => drawing("path", { d: "M2 11L9 6L7 1M9 6L17 7L24 3M17 7L22 11", fill: "none", stroke: "var(--soft)", "stroke-width": 1 }),
+    classes: () => drawing("path", { d: "M2 6C8 -2 18 -2 24 6C18 14 8 14 2 6", fill: "none", stroke: "var(--mover)", "stroke-width": 1.4, "stroke-dasharray": "6 3" }),
     crowd: () => drawing("path", { d: "M1 10C9 10 10 2 25 2M1 10C12 11 16 7 25 2M1 10C5 3 12 1 25 2", fill: "none", stroke: "var(--ink)", "stroke-width": 1.1, opacity: 0.6 }), grid: () => drawing("path", { d: "M8 0V12M18 0V12M2 3H24M2 9H24", stroke: "var(--faint)", "stroke-width": 1, fill: "none" }),
     raw: () => line(STYLE.raw, "var(--soft)"), optimum: () => line(STYLE.optimum, "var(--ink)"), final: () => (entries.some((e) => e.kind === "plan") ? line(STYLE.final, planColour()) : line(STYLE.planned, "var(--soft)")), driven: () => line(STYLE.driven, runColour()),
     points: () => drawing("path", { d: "M2 4h4v4H2zM11 4h4v4H11zM20 4h4v4H20z", fill: planColour() }), swept: () => box({ fill: own, "fill-opacity": 0.2 }),
@@ -296,7 +298,7 @@ function refresh() {
   if (entry) {
     fillVerdict(byId("verdict"), entry, partnerOf(entry), entries.length > 1);
     fillAlternatives(entry.data);
-    fillDetails(byId("details"), entry, partnerOf(entry), { seek, shown: shownEntries() });
+    fillDetails(byId("details"), entry, partnerOf(entry), { seek, shown: shownEntries(), breed });
   }
   fillLayers();
   fillMarks();
@@ -306,7 +308,14 @@ function refresh() {
   map.ask(true);
 }
 
+/** Shows the population of a generation, by its number in the trace. */
+function breed(number) {
+  state.generation = number;
+  map.ask(true);
+}
+
 function choose(i) {
+  state.generation = null;
   state.active = i;
   refresh();
 }

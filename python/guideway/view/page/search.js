@@ -69,12 +69,13 @@ function courseOf(entry) {
   const { search, reference, trace, query } = entry.data;
   const rows = pointsOf(record(search).history);
   const legs = list(record(trace).legs).map(record);
+  const aim = record(trace).objective;
   if (!rows.length || (!legs.length && rows.length < 3)) return null;
   const end = Math.max(rows[rows.length - 1][0], legs.length === 1 ? number(record(search).iterations) : 0);
   if (!(end > 0)) return null;
   const { grid_optimum: grid, any_angle_optimum: any } = record(reference);
-  const optimum = record(query).material === "heavy" ? null : list(entry.data.grid_path).length ? grid : any;
-  return { entry, rows, end, split: legs.length === 1 && finite(legs[0].swarm_iterations) ? Math.min(end, legs[0].swarm_iterations) : null, optimum: finite(optimum) ? optimum : null };
+  const optimum = aim ? record(record(trace).bound).lower : record(query).material === "heavy" ? null : list(entry.data.grid_path).length ? grid : any;
+  return { entry, rows, end, unit: aim ? "" : "m", mark: aim ? "lower bound" : "exact optimum", split: legs.length === 1 && finite(legs[0].swarm_iterations) ? Math.min(end, legs[0].swarm_iterations) : null, optimum: finite(optimum) ? optimum : null };
 }
 
 const CHART = { width: 440, height: 172, left: 48, right: 12, top: 14, bottom: 30 };
@@ -83,7 +84,7 @@ const CHART = { width: 440, height: 172, left: 48, right: 12, top: 14, bottom: 3
 function convergenceOf(entry, others) {
   const own = courseOf(entry);
   if (!own) return null;
-  const all = [...others.filter((other) => other !== entry && other.kind === "plan").map(courseOf).filter(Boolean), own];
+  const all = [...others.filter((other) => other !== entry && other.kind === "plan").map(courseOf).filter((other) => other && other.unit === own.unit), own];
   const values = all.flatMap((course) => course.rows.map((row) => row[1])).concat(own.optimum === null ? [] : [own.optimum]);
   let [low, high] = [Math.min(...values), Math.max(...values)];
   if (high - low < 1e-3 * Math.abs(high)) [low, high] = [low - 0.01 * Math.abs(low || 1), high + 0.01 * Math.abs(high || 1)];
@@ -93,14 +94,14 @@ function convergenceOf(entry, others) {
   const { width, height, left, right, top, bottom } = CHART;
   const x = (i) => left + ((width - left - right) * i) / end;
   const y = (v) => height - bottom - ((height - top - bottom) * (v - low)) / (high - low);
-  const svg = drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "course", role: "img", "aria-label": `Best cost over ${end} iterations, at last ${show(own.rows[own.rows.length - 1][1])} m` });
-  svg.append(...chartFrame({ x, y, low, high, end }), ...chartStages(own, x), ...all.map((course) => chartLine(course, course === own, { x, y })), ...chartOptimum(own, { x, y, end }));
+  const svg = drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "course", role: "img", "aria-label": `Best cost over ${end} iterations, at last ${show(own.rows[own.rows.length - 1][1])} ${own.unit}` });
+  svg.append(...chartFrame({ x, y, low, high, end, unit: own.unit || "f" }), ...chartStages(own, x), ...all.map((course) => chartLine(course, course === own, { x, y })), ...chartOptimum(own, { x, y, end }));
   return make("div", {}, svg, make("p", { class: "small" }, courseWords(own)));
 }
 
 const chartText = (x, y, text, more = {}) => drawing("text", { x, y, ...more }, text);
 
-function chartFrame({ x, y, low, high, end }) {
+function chartFrame({ x, y, low, high, end, unit }) {
   const { width, height, left, right, bottom } = CHART;
   const floor = height - bottom;
   const [up, along] = [ticksOf(low, high, 5), ticksOf(0, end, 6)];
@@ -108,7 +109,7 @@ function chartFrame({ x, y, low, high, end }) {
     ...up.ticks.flatMap((v) => [drawing("path", { d: `M${left} ${y(v).toFixed(1)}H${width - right}`, class: "rule" }), chartText(left - 7, y(v) + 3.5, metres(v, up.step), { "text-anchor": "end" })]),
     ...along.ticks.filter(Number.isInteger).map((i) => chartText(x(i), floor + 15, String(i), { "text-anchor": "middle" })),
     drawing("path", { d: `M${left} ${floor}H${width - right}`, class: "rule floor" }),
-    chartText(width - right, height - 2, "iteration", { "text-anchor": "end" }), chartText(left - 7, 9, "m", { "text-anchor": "end" }),
+    chartText(width - right, height - 2, "iteration", { "text-anchor": "end" }), chartText(left - 7, 9, unit, { "text-anchor": "end" }),
   ];
 }
 
@@ -132,16 +133,17 @@ function chartLine({ entry, rows, end }, bold, { x, y }) {
   return drawing("g", {}, line, ...(bold ? [drawing("circle", { cx: x(last[0]), cy: y(last[1]), r: 3.6, fill: colour, stroke: "var(--surface)", "stroke-width": 1.5 })] : []));
 }
 
-function chartOptimum({ optimum }, { x, y, end }) {
+function chartOptimum({ optimum, mark }, { x, y, end }) {
   if (optimum === null) return [];
   const line = drawing("path", { d: `M${x(0)} ${y(optimum).toFixed(1)}H${x(end)}`, fill: "none", stroke: "var(--ink)", "stroke-width": STYLE.optimum.width, "stroke-dasharray": STYLE.optimum.dash.join(" "), "stroke-linecap": "round" });
-  return [line, chartText(x(end), y(optimum) - 7, `exact optimum ${exact(optimum)}`, { "text-anchor": "end", class: "name" })];
+  return [line, chartText(x(end), y(optimum) - 7, `${mark} ${exact(optimum)}`, { "text-anchor": "end", class: "name" })];
 }
 
-function courseWords({ rows, end, optimum, split }) {
+function courseWords({ rows, end, optimum, split, unit }) {
   const [when, best] = rows[rows.length - 1];
   const gap = optimum > 0 ? best / optimum - 1 : NaN;
   const place = split === null ? "" : when < split || (when === split && split === end) ? ", by the swarm" : ", by the ants";
   const found = when ? `iteration ${when} of ${end}` : "the first population";
-  return `${exact(best)} m, found in ${found}${when ? place : ""}${finite(gap) ? (gap < 5e-7 ? ": the optimum" : `: ${percent(gap)} above the optimum`) : ""}.`;
+  const above = !finite(gap) ? "" : unit && gap < 5e-7 ? ": the optimum" : `: ${percent(gap)} above the ${unit ? "optimum" : "lower bound"}`;
+  return `${unit ? `${exact(best)} ${unit}` : `Objective ${exact(best)}`}, found in ${found}${when ? place : ""}${above}.`;
 }

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 from typing import Any
 
 import jsonschema
+from PIL import Image
 
 import guideway as gw
 from guideway import jobs, schemas
 from guideway.traces import MOST_CURVES, MOST_EDGES, MOST_GENERATIONS, MOST_POINTS, trace_record
+from guideway.view import search_figure
 from guideway.view.report import page
 
 REGION = {"from": 1.0, "to": 1.6, "worst": 1.3, "ratio": 1.2, "excess": 0.05}
@@ -59,3 +62,13 @@ def test_the_page_has_what_the_trace_has() -> None:
     assert shown["loop"][0]["found"] == [REGION]
     for words in ("Speed before and after correction", "Closed loop", "Homotopy classes", "Population on the map", "Search tree"):
         assert words in text
+
+
+def test_the_figure_draws_the_whole_trace(tmp_path: Path) -> None:
+    found, world = record()
+    found["search"]["history"] = [[0, 0.6], [10, 0.5], [60, 0.38]]
+    found["trace"] = trace_record(trace(30))
+    written = search_figure([found], world, tmp_path / "loop")
+    texts = written[1].read_text("utf-8")
+    assert texts.count('id="axes_') == 3  # map, objective, speed
+    assert min(Image.open(written[0]).size) > 600

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from . import loop
 from .figure import COLOURS, draw_world, extent, figure_sheet, save
 from .geometry import Array, listed, points
 from .report import labels
@@ -23,17 +24,19 @@ DECADES = 1000.0
 def search_figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, path: str | os.PathLike[str]) -> list[Path]:
     """Writes how plans were found, as ``path`` with the endings ``.png`` (300 dpi) and ``.svg``; returns the two files.
 
-    Left the map with pheromone, last population and path of the first result that has a trace, right the best cost of all of them. Needs matplotlib,
-    raises ``ImportError`` without it and ``ValueError`` where no result has a history of its search.
+    Left the map with the trace and path of the first result that has one, right the best cost of all of them and, of planners that plan path and
+    speed at once, the speed along the path. Needs matplotlib, raises ``ImportError`` without it and ``ValueError`` where no result has a history of
+    its search.
     """
     courses = [(result, label, course(result)) for result, label in zip(results, labels(results), strict=True)]
     if not any(len(rows) for _, _, (rows, _) in courses):
         raise ValueError("no result has a history of its search: exact searches have none")
     traced = next((result for result in results if isinstance(result.get("trace"), Mapping)), results[0])
     left, low, right, high = extent([traced], world)
-    ratio = min(1.4, max(0.6, (high - low) / max(right - left, 1e-9)))
+    speeds = loop.speed_of(traced)
+    ratio = min(1.4, max(1.0 if speeds else 0.6, (high - low) / max(right - left, 1e-9)))
     sheet = figure_sheet((9.0, 4.1 * ratio))
-    map_axes, axes = sheet.subplots(1, 2, width_ratios=(1.0, 1.15))
+    map_axes, axes, *below = panels(sheet, 2 if speeds else 1)
     if world is not None:
         draw_world(map_axes, world, plain=True)
     draw_trace(sheet, map_axes, traced)
@@ -41,11 +44,20 @@ def search_figure(results: Sequence[Mapping[str, Any]], world: Scenery | None, p
     for index, (result, label, (rows, end)) in enumerate(courses):
         if len(rows):
             draw_course(axes, result, label, (rows, end), COLOURS[index % len(COLOURS)])
-    axes.set(xlabel="iteration", ylabel="best cost in m")
+    objective = isinstance(loop.trace_of(traced).get("objective"), Mapping)
+    axes.set(xlabel="generation" if objective else "iteration", ylabel="best objective" if objective else "best cost in m")
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(y=0.08)
     axes.legend(frameon=False, fontsize=8, loc="upper right")
+    for each in below:
+        loop.draw_speed(each, speeds)
     return save(sheet, Path(path))
+
+
+def panels(sheet: Any, count: int) -> list[Any]:
+    """A map on the left, charts one above the other on the right."""
+    grid = sheet.add_gridspec(count, 2, width_ratios=(1.0, 1.15))
+    return [sheet.add_subplot(grid[:, 0])] + [sheet.add_subplot(grid[row, 1]) for row in range(count)]
 
 
 def course(result: Mapping[str, Any]) -> tuple[Array, float]:
@@ -74,9 +86,12 @@ def draw_course(axes: Any, result: Mapping[str, Any], label: str, history: tuple
     reference, query = result.get("reference"), result.get("query")
     heavy = isinstance(query, Mapping) and query.get("material") == "heavy"
     optimum = reference.get("grid_optimum" if result.get("grid_path") else "any_angle_optimum") if isinstance(reference, Mapping) else None
-    drawn = [line.get_ydata()[0] for line in axes.lines if line.get_label() == "exact optimum"]
+    name, trace = "exact optimum", loop.trace_of(result)
+    if "objective" in trace:
+        name, optimum = "lower bound", (trace.get("bound") or {}).get("lower")
+    drawn = [line.get_ydata()[0] for line in axes.lines if line.get_label() == name]
     if isinstance(optimum, float | int) and not heavy and optimum not in drawn:
-        axes.axhline(optimum, color="#17212b", linestyle=(0, (1, 2)), linewidth=1.4, label=None if drawn else "exact optimum", zorder=2)
+        axes.axhline(optimum, color="#17212b", linestyle=(0, (1, 2)), linewidth=1.4, label=None if drawn else name, zorder=2)
     legs = legs_of(result)
     if len(legs) == 1 and legs[0].get("swarm_iterations"):
         axes.axvspan(0, legs[0]["swarm_iterations"], color=colour, alpha=0.08, linewidth=0, label=f"swarm of {label}", zorder=0)
@@ -108,6 +123,7 @@ def draw_trace(sheet: Any, axes: Any, result: Mapping[str, Any]) -> None:
     for leg in legs_of(result):
         for line in map(points, listed(leg.get("paths"))):
             axes.plot(line[:, 0], line[:, 1], color="#17212b", linewidth=0.6, alpha=0.6, zorder=3)
+    loop.draw_trace(axes, loop.trace_of(result))
     found = points(result.get("raw_path") or result.get("grid_path"))
     if len(found):
         axes.plot(found[:, 0], found[:, 1], color="white", linewidth=3.2, alpha=0.8, zorder=4)

@@ -198,7 +198,7 @@ def test_a_hundred_calibrated_grids_of_each_class_are_exact_and_different(kind):
 
 
 def test_the_examples_of_the_documentation():
-    assert doctest.testmod(gw.scenes) == (0, 4)
+    assert doctest.testmod(gw.scenes) == (0, 5)
 
 
 def test_what_is_missed_is_said():
@@ -217,8 +217,8 @@ def test_what_is_missed_is_said():
 
 
 def test_packaged_grids():
-    assert gw.scenes.names() == list(gw.scenes.CLASSES)
-    for name in gw.scenes.names():
+    assert gw.scenes.names() == [*gw.scenes.CLASSES, "w0", "w1"]
+    for name in gw.scenes.CLASSES:
         scene = gw.scenes.load(name)
         whole(scene)
         assert scene.record["exact"]
@@ -243,6 +243,11 @@ def test_packaged_grids():
         (lambda s: s.calibrated("m40", 0), "m30"),
         (lambda s: s.calibrated("m20", 1 << 63), "seed"),
         (lambda s: s.make("forest"), "calibrated, simple"),
+        (lambda s: s.make("layout", size=20), "size 20 is not an option of layout"),
+        (lambda s: s.layout(-1), "seed -1"),
+        (lambda s: s.room("w2"), "w0, w1"),
+        (lambda s: s.load("w0").query("moving"), "none, static, dynamic"),
+        (lambda s: s.load("m20", 3), "nothing in it is random"),
         (lambda s: s.make("maze", density=0.3), "density 0.3 is not an option of maze"),
         (lambda s: s.make("calibrated", size=20), "size 20 is not an option of calibrated"),
     ],

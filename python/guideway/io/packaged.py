@@ -20,6 +20,8 @@ FILES = {
     "pso-aco-2": "scenes/pso-aco-2.toml",
     "m20": "scenes/m20.toml",
     "m30": "scenes/m30.toml",
+    "w0": "scenes/w0.toml",
+    "w1": "scenes/w1.toml",
     "warehouse": "demo.toml",
 }
 """Where each scene lies among the package's data."""

@@ -138,8 +138,9 @@ def test_what_the_published_numbers_say():
 
 
 def documented():
-    """The table of docs/scenes.md: a row of words for each scene, by the name of the row."""
-    lines = (Path(__file__).resolve().parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8").splitlines()
+    """The first table of docs/scenes.md: a row of words for each scene, by the name of the row."""
+    text = (Path(__file__).resolve().parents[2] / "docs" / "scenes.md").read_text(encoding="utf-8")
+    lines = ("|" + text.partition("\n|")[2].partition("\n\n")[0]).splitlines()
     rows = [[word.strip() for word in line.split("|")[1:-1]] for line in lines if line.startswith("|") and not line.startswith("|---")]
     return {row[0]: dict(zip((word.strip("`") for word in rows[0][1:]), row[1:], strict=True)) for row in rows[1:]}
 

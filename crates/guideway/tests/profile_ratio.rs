@@ -1,8 +1,10 @@
 //! The profile under a ceiling beside a time-optimal reference.
 
+mod ceilings;
 mod speed_reference;
 
-use guideway::timing::{Bounds, Ceiling, Jerks, fastest};
+use ceilings::{cells, dips};
+use guideway::timing::{Bounds, Jerks, fastest};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -20,18 +22,6 @@ fn the_reference_agrees_with_the_seven_phase_optimum() {
     }
 }
 
-/// A random ceiling: dips of random place, width and depth, some of them with a flat ground.
-fn dips(rng: &mut ChaCha8Rng, length: f64, top: f64) -> impl Fn(f64) -> f64 + use<> {
-    let count = rng.random_range(1..6);
-    let dips: Vec<[f64; 4]> = (0..count)
-        .map(|_| {
-            let flat = if rng.random::<f64>() < 0.3 { rng.random::<f64>() } else { 0.0 };
-            [length * rng.random::<f64>(), 0.05 + 0.8 * rng.random::<f64>(), 0.15 + 0.8 * rng.random::<f64>(), flat]
-        })
-        .collect();
-    move |s: f64| dips.iter().map(|[c, w, v, f]| top * v * (1.0 + (((s - c).abs() - f).max(0.0) / w).powi(2)).sqrt()).fold(top, f64::min)
-}
-
 /// Ratios of our duration to that of the reference, sorted.
 fn ratios(cases: usize, nodes: usize, seed: u64) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -41,10 +31,8 @@ fn ratios(cases: usize, nodes: usize, seed: u64) -> Vec<f64> {
             let (a, b, j, top) = sets[case % sets.len()];
             let length = 3.0 + 7.0 * rng.random::<f64>();
             let ceiling = dips(&mut rng, length, top);
-            let cells: Vec<f64> =
-                (0..1000).map(|i| [0.0, 0.5, 1.0].map(|x| ceiling(length * (f64::from(i) + x) / 1000.0)).into_iter().fold(top, f64::min)).collect();
             let bounds = Bounds { speed: top, acceleration: a, deceleration: b, jerk: Jerks::all(j) };
-            let chain = fastest(&Ceiling::from_cells(length, cells), &bounds, (0.0, 0.0)).unwrap();
+            let chain = fastest(&cells(&ceiling, length, top, 1000), &bounds, (0.0, 0.0)).unwrap();
             let own: f64 = chain.iter().map(|(_, p)| p.duration()).sum();
             let problem = Problem { length, speed: top, acceleration: a, deceleration: b, jerk: j, ceiling: &ceiling };
             let reference = optimum(&problem, nodes).0;

@@ -100,6 +100,11 @@ impl Ceiling {
         row[i].min(row[j - (1 << level)])
     }
 
+    /// Highest ceiling between two arc lengths, m/s.
+    pub fn highest(&self, from: f64, to: f64) -> f64 {
+        self.table[0][self.cell(from)..=self.cell(to)].iter().copied().fold(0.0, f64::max)
+    }
+
     /// Whether a profile that starts at `from` stays below the ceiling everywhere.
     pub fn allows(&self, from: f64, profile: &Profile) -> bool {
         // Most profiles that do not are too fast where a phase ends.

@@ -2,7 +2,7 @@
 
 use super::ceiling::Ceiling;
 use super::profile::fastest;
-use super::scurve::{Bounds, Jerks, Profile, advance};
+use super::scurve::{Bounds, Profile, advance};
 use super::trajectory::{Piece, Trajectory};
 use super::turn::{SAME_HEADING, turn_time};
 use super::{Timing, TimingOptions};
@@ -69,7 +69,7 @@ pub fn time(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Con
         let extra = options.clearance_ceiling.map(|f| f as &dyn Fn(f64) -> f64);
         let ceiling = Ceiling::of_path(path, (pair[0], pair[1]), &limits, extra);
         require_passable(&ceiling, pair[0])?;
-        for (s, profile) in fastest(&ceiling, &bounds(&limits), ends)? {
+        for (s, profile) in fastest(&ceiling, &Bounds::from(&limits), ends)? {
             out.along(pair[0] + s, &profile);
         }
         if let Some(corner) = corners.get(i) {
@@ -80,8 +80,13 @@ pub fn time(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Con
     Ok(Trajectory { path: path.clone(), pieces: out.pieces, limits })
 }
 
-fn bounds(limits: &Limits) -> Bounds {
-    Bounds { speed: limits.speed, acceleration: limits.acceleration, deceleration: limits.deceleration, jerk: Jerks::all(limits.jerk) }
+/// The motion along a path without corners that a chain of profiles, each with its start (m), describes.
+pub fn composed(path: &Path, chain: &[(f64, Profile)], limits: &Limits) -> Trajectory {
+    let mut out = Composer { limits: *limits, t: 0.0, pieces: Vec::new() };
+    for (from, profile) in chain {
+        out.along(*from, profile);
+    }
+    Trajectory { path: path.clone(), pieces: out.pieces, limits: *limits }
 }
 
 /// A ceiling of (nearly) zero is a cusp of the path, a heading or option that cannot be driven through.

@@ -1,18 +1,22 @@
 //! From a path and limits to a motion in time.
 
 mod ceiling;
+mod correction;
 mod csv;
 mod energy;
 mod jerk_limited;
+mod overspeed;
 mod profile;
 pub mod scurve;
 mod trajectory;
 mod turn;
 
 pub use ceiling::{Ceiling, ceiling};
+pub use correction::{Corrected, Pass, correct, first_pass};
 pub use csv::CSV_HEADER;
 pub use energy::Drive;
-pub use jerk_limited::{JerkLimited, time};
+pub use jerk_limited::{JerkLimited, composed, time};
+pub use overspeed::{Region, extremes, overspeed, regions};
 pub use profile::fastest;
 pub use scurve::{Bounds, Jerks, Profile, SCurve};
 pub use trajectory::{Piece, State, Trajectory};

@@ -158,6 +158,26 @@ pub fn advance((s, v, a): (f64, f64, f64), j: f64, t: f64) -> (f64, f64, f64) {
     (s + t * (v + t * (0.5 * a + t * j / 6.0)), v + t * (a + 0.5 * t * j), a + t * j)
 }
 
+/// The highest speed (m/s) up to the limit to which (`forward`), or from which, a change of speed without acceleration at its ends fits into `distance` (m),
+/// if its slower end has speed `v` (m/s).
+pub fn reachable(v: f64, distance: f64, bounds: &Bounds, forward: bool) -> f64 {
+    let Bounds { speed, acceleration, deceleration, jerk } = *bounds;
+    let side = if forward {
+        Side::new(v, 0.0, acceleration, (jerk.build, jerk.release))
+    } else {
+        Side::new(v, 0.0, deceleration, (jerk.unbrake, jerk.brake))
+    };
+    if side.distance(speed) <= distance {
+        return speed.max(v);
+    }
+    let (mut low, mut high) = (v, speed);
+    for _ in 0..60 {
+        let w = f64::midpoint(low, high);
+        if side.distance(w) <= distance { low = w } else { high = w }
+    }
+    low
+}
+
 impl SCurve {
     /// The fastest profile.
     /// # Errors

@@ -96,6 +96,11 @@ impl Side {
         ramps + hold * (self.base + peak * (peak * (0.5 * self.inverse.0 + self.inverse.1) + 0.5 * hold))
     }
 
+    /// Distance up to the top speed `w` (m/s), m.
+    pub fn distance(&self, w: f64) -> f64 {
+        self.length(self.climb(w))
+    }
+
     /// Durations (s): near ramp, hold, far ramp.
     #[inline]
     pub fn times(&self, climb: Climb) -> (f64, f64, f64) {

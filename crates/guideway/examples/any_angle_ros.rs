@@ -1,12 +1,12 @@
-//! Times of the any-angle planners and of `explain` on `map_server` maps:
-//! `cargo run --release -p guideway --example any_angle_ros RADIUS PLANNER[,PLANNER...] [MAP ...]` (`explain` counts as a planner).
+//! Times of the any-angle planners, of `explain` and of homotopy classes on `map_server` maps:
+//! `cargo run --release -p guideway --example any_angle_ros RADIUS PLANNER[,PLANNER...] [MAP ...]` (`explain` and `classes` count as planners).
 
 #[path = "../tests/ros_maps/mod.rs"]
 mod ros_maps;
 
 use guideway::Point;
 use guideway::context::Context;
-use guideway::plan::{planner, search};
+use guideway::plan::{homotopy, planner, search};
 use guideway::query::Query;
 use guideway::world::{Bits, Footprint, Lattice, World};
 use std::sync::Arc;
@@ -45,6 +45,11 @@ fn measure(world: &Arc<World>, radius: f64, name: &str) {
         if name == "explain" {
             let why = search::explain(&query, &mut Context::new(0));
             println!("    explain {:.3} s, widest {:?}", t.elapsed().as_secs_f64(), why.widest);
+            continue;
+        }
+        if name == "classes" {
+            let found = homotopy::classes(&query, 8, &mut Context::new(0)).map(|c| c.iter().map(|c| c.length).collect::<Vec<_>>());
+            println!("    classes {:.3} s, {found:.3?}", t.elapsed().as_secs_f64());
             continue;
         }
         let planner = planner(name, serde_json::Value::Null).expect("a registered planner");

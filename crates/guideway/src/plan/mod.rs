@@ -2,6 +2,7 @@
 
 pub mod colony;
 pub mod front;
+pub mod homotopy;
 mod legs;
 mod registry;
 pub mod score;

@@ -33,7 +33,7 @@ pub use pareto::{Effort, Pareto, pareto};
 pub use reference::{Reference, gap, reference};
 pub use theta_star::ThetaStar;
 pub use visibility::Visibility;
-pub(super) use visibility::runs;
+pub(super) use visibility::{Classes, Inflated, Leg as ExactLeg, Route, Taut, runs};
 
 use crate::world::{Cell, Corners, Lattice};
 use std::f64::consts::SQRT_2;

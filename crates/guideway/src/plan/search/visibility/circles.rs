@@ -67,7 +67,7 @@ pub(super) struct Circle {
 }
 
 /// Obstacles inflated by a robot's radius.
-pub(super) struct Inflated<'a> {
+pub(in crate::plan) struct Inflated<'a> {
     pub world: &'a World,
     /// Radius of the robot, m.
     pub robot: f64,
@@ -75,7 +75,7 @@ pub(super) struct Inflated<'a> {
 
 impl Inflated<'_> {
     /// All circles that may be exposed and lie within `keep`.
-    pub fn circles(&self, keep: &dyn Fn(Point, f64) -> bool) -> Vec<Circle> {
+    pub(super) fn circles(&self, keep: &dyn Fn(Point, f64) -> bool) -> Vec<Circle> {
         let field = self.world.clearance_field();
         let mut found = Vec::new();
         let mut add = |center: Point, radius: f64, from: f64, extent: f64| {
@@ -145,7 +145,7 @@ impl Inflated<'_> {
     }
 
     /// Replaces a circle's windows by its exposed arcs: they end where the circle meets the border of another inflated obstacle or of the world.
-    pub fn settle(&self, circle: &mut Circle) {
+    pub(super) fn settle(&self, circle: &mut Circle) {
         if circle.exact {
             return;
         }

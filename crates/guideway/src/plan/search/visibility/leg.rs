@@ -17,7 +17,7 @@ const GROWTH: [f64; 4] = [1.02, 1.1, 1.4, f64::INFINITY];
 const EXCESS: f64 = 5e-7;
 
 /// What one leg gave; lengths in m.
-pub(in crate::plan::search) enum Route {
+pub(in crate::plan) enum Route {
     /// The optimum as a polyline, and its exact length.
     Path { points: Vec<Point>, length: f64 },
     /// Proved: there is none.
@@ -33,7 +33,7 @@ enum Relaxed {
 }
 
 /// Searches between pairs of points for the robot of one query.
-pub(in crate::plan::search) struct Leg<'a> {
+pub(in crate::plan) struct Leg<'a> {
     query: &'a Query,
     /// Cells that the reference point may enter, exactly or at most: free in a relaxed map.
     relaxed: Option<Relaxed>,

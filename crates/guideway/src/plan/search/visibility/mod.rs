@@ -6,6 +6,7 @@
 //! other than discs are planned with their circumscribed disc.
 
 mod circles;
+mod classes;
 mod leg;
 mod rows;
 pub(in crate::plan) mod runs;
@@ -17,7 +18,9 @@ use crate::error::PlanError;
 use crate::path::Path;
 use crate::plan::{Planner, Solution};
 use crate::query::Query;
-pub(super) use leg::{Leg, Route};
+pub(in crate::plan) use circles::Inflated;
+pub(in crate::plan) use classes::{Classes, Taut};
+pub(in crate::plan) use leg::{Leg, Route};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

@@ -11,8 +11,10 @@ use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
 use std::rc::Rc;
 
-const START: u32 = u32::MAX;
-const GOAL: u32 = u32::MAX - 1;
+/// Stands for the start among the numbers of circles.
+pub(super) const START: u32 = u32::MAX;
+/// Stands for the goal.
+pub(super) const GOAL: u32 = u32::MAX - 1;
 
 /// A piece of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,16 +38,16 @@ pub(super) enum Outcome {
 
 /// A tangent that leaves a circle.
 #[derive(Debug, Clone, Copy)]
-struct Edge {
+pub(super) struct Edge {
     /// Arc of the circle that it leaves, and the position there.
-    arc: usize,
-    depart: f64,
-    to: u32,
-    left: bool,
+    pub arc: usize,
+    pub depart: f64,
+    pub to: u32,
+    pub left: bool,
     /// Angle of arrival on the other circle.
-    arrive: f64,
-    length: f64,
-    points: [Point; 2],
+    pub arrive: f64,
+    pub length: f64,
+    pub points: [Point; 2],
 }
 
 /// Arrival on a circle.
@@ -89,9 +91,9 @@ struct Bucket {
 /// A search for paths no longer than a bound.
 pub(super) struct Tangents<'a> {
     inflated: &'a Inflated<'a>,
-    ends: [Point; 2],
-    bound: f64,
-    circles: Vec<Circle>,
+    pub ends: [Point; 2],
+    pub bound: f64,
+    pub circles: Vec<Circle>,
     buckets: Vec<Bucket>,
     edges: HashMap<(u32, bool), Rc<Vec<Edge>>>,
     settled: HashMap<(u32, bool), Vec<(f64, f64)>>,
@@ -135,6 +137,11 @@ impl<'a> Tangents<'a> {
             heap: BinaryHeap::new(),
             expansions: 0,
         }
+    }
+
+    /// What is searched among.
+    pub fn inflated(&self) -> &'a Inflated<'a> {
+        self.inflated
     }
 
     /// Circles within the bound.
@@ -203,7 +210,7 @@ impl<'a> Tangents<'a> {
     }
 
     /// All free tangents that leave a circle in a sense; found once.
-    fn leave(&mut self, from: u32, left: bool) -> Rc<Vec<Edge>> {
+    pub fn leave(&mut self, from: u32, left: bool) -> Rc<Vec<Edge>> {
         if let Some(edges) = self.edges.get(&(from, left)) {
             return Rc::clone(edges);
         }
@@ -282,7 +289,8 @@ impl<'a> Tangents<'a> {
         found.push(Edge { arc, depart, to, left: to_left, arrive: w[1].atan2(w[0]), length, points });
     }
 
-    fn round(&self, i: u32) -> (Point, f64) {
+    /// Centre and radius of a circle.
+    pub fn round(&self, i: u32) -> (Point, f64) {
         let circle = &self.circles[i as usize];
         (circle.center, circle.radius)
     }
@@ -313,7 +321,7 @@ impl<'a> Tangents<'a> {
 }
 
 /// Way along an arc from one position to another in a sense, rad; `None` if it leads the other way.
-fn travel(arc: &Arc, from: f64, to: f64, left: bool) -> Option<f64> {
+pub(super) fn travel(arc: &Arc, from: f64, to: f64, left: bool) -> Option<f64> {
     let way = if left { to - from } else { from - to };
     if arc.is_full() {
         let way = way.rem_euclid(std::f64::consts::TAU);

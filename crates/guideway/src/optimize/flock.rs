@@ -1,10 +1,11 @@
 //! Particles: what plain and grouped swarms share.
 
+use super::draw::pair;
 use super::record::{first, within};
 use super::{Cost, Objective, evaluate};
 use crate::context::Context;
 use crate::error::PlanError;
-use rand::{Rng, RngExt};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 /// A particle: where it is, how it moves, and the best place it has been at.
@@ -88,13 +89,6 @@ pub(super) struct Space<'a> {
     pub bounds: &'a [(f64, f64)],
     /// Share of a side per step.
     pub speed: f64,
-}
-
-/// Two uniform numbers from one draw.
-fn pair(rng: &mut ChaCha8Rng) -> [f64; 2] {
-    const UNIT: f64 = 1.0 / (1u64 << 32) as f64;
-    let bits = rng.next_u64();
-    [(bits >> 32) as f64 * UNIT, (bits & 0xffff_ffff) as f64 * UNIT]
 }
 
 /// The first particles, judged.

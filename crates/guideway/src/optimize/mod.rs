@@ -3,14 +3,29 @@
 //! An optimizer is a plain struct of parameters; it owns its loop: draw, [`evaluate`], keep, tick. All are generational: a batch is judged before it replaces,
 //! and random draws are serial, so the result depends on the seed alone, not on the number of threads.
 
+mod breed;
+mod cma_es;
+mod de;
+mod distribution;
+mod draw;
+mod eigen;
+mod firefly;
 mod flock;
 pub mod functions;
 mod grouped_pso;
+mod improved_de;
+mod l_shade;
 mod pso;
 mod record;
+mod schedule;
 mod sparrow;
 
+pub use cma_es::{CmaEs, Restarts};
+pub use de::De;
+pub use firefly::Firefly;
 pub use grouped_pso::GroupedPso;
+pub use improved_de::{Form, ImprovedDe, Opposition, Renewal, decay};
+pub use l_shade::LShade;
 pub use pso::Pso;
 pub use sparrow::Sparrow;
 

@@ -40,6 +40,16 @@ impl Record {
         }
     }
 
+    /// Iterations since the best changed.
+    pub fn still(&self) -> u64 {
+        self.iterations - self.improved
+    }
+
+    /// Iterations begun.
+    pub fn iterations(&self) -> u64 {
+        self.iterations
+    }
+
     /// Begins an iteration; improvements belong to it.
     pub fn begin(&mut self) -> u64 {
         self.iterations += 1;
@@ -48,8 +58,13 @@ impl Record {
 
     /// Ends an iteration.
     pub fn tick(&self, f: &dyn Objective, ctx: &mut Context) -> Option<Stop> {
-        let own = self.iterations >= self.limits[0] || self.iterations - self.improved >= self.limits[1];
+        let own = self.iterations >= self.limits[0] || self.still() >= self.limits[1];
         ctx.tick(f.shown(self.cost)).or_else(|| own.then_some(Stop::Converged))
+    }
+
+    /// Ends an iteration of a method that also stops once its population has shrunk to a point.
+    pub fn close(&self, shrunk: bool, f: &dyn Objective, ctx: &mut Context) -> Option<Stop> {
+        self.tick(f, ctx).or_else(|| shrunk.then_some(Stop::Converged))
     }
 
     pub fn finish(self, stop: Stop, population: Vec<Vec<f64>>, costs: Vec<Cost>, ctx: &Context) -> Minimum {

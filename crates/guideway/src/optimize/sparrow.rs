@@ -7,6 +7,7 @@
 //! The rule for producers multiplies their numbers by something between 0 and 1: it pulls towards 0, wherever the minimum is. So the method looks better than
 //! it is on functions whose minimum is at 0 (a test shows how much) and, on lattices, on maps where straight to the goal is a good answer.
 
+use super::draw::normals;
 use super::record::{Record, check, first, within};
 use super::{Cost, Minimum, Objective, Optimizer, evaluate};
 use crate::context::Context;
@@ -14,7 +15,6 @@ use crate::error::PlanError;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Sparrow search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -177,6 +177,5 @@ fn drawn(count: usize, some: usize, rng: &mut ChaCha8Rng) -> Vec<usize> {
 
 /// A normal deviate, mean 0, variance 1.
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let [u, w] = [1.0 - rng.random::<f64>(), rng.random::<f64>()];
-    (-2.0 * u.ln()).sqrt() * (TAU * w).cos()
+    normals(rng)[0]
 }

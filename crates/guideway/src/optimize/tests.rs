@@ -9,6 +9,11 @@ fn optimizers() -> Vec<(&'static str, Box<dyn Optimizer>)> {
         ("pso", Box::new(Pso { iterations: 400, ..Pso::default() })),
         ("grouped-pso", Box::new(GroupedPso { iterations: 400, patience: 0, ..GroupedPso::default() })),
         ("sparrow", Box::new(Sparrow { iterations: 400, ..Sparrow::default() })),
+        ("de", Box::new(De::default())),
+        ("improved-de", Box::new(ImprovedDe::default())),
+        ("firefly", Box::new(Firefly::default())),
+        ("l-shade", Box::new(LShade::default())),
+        ("cma-es", Box::new(CmaEs::default())),
     ]
 }
 
@@ -25,12 +30,27 @@ fn worst(optimizer: &dyn Optimizer, share: f64) -> Vec<f64> {
 #[test]
 fn every_optimizer_finds_the_minima_of_plain_and_shifted_functions() {
     // Bounds on Sphere, Rosenbrock, Rastrigin and Ackley, about twice what was measured. Plain swarms run into a side of the box (see below).
-    let bounds: [(&str, f64, [f64; 4]); 5] = [
+    let bounds: [(&str, f64, [f64; 4]); 20] = [
         ("pso", 0.0, [1e-40, 20.0, 50.0, 4.0]),
         ("pso", 0.3, [1e-40, 400.0, 30.0, 1e-12]),
         ("grouped-pso", 0.0, [1e-20, 12.0, 30.0, 1e-10]),
         ("grouped-pso", 0.3, [1e-20, 20.0, 30.0, 1e-10]),
         ("grouped-pso", 0.7, [1e-20, 20.0, 60.0, 1e-10]),
+        ("de", 0.0, [1e-12, 8.0, 60.0, 2e-6]),
+        ("de", 0.3, [1e-12, 8.0, 60.0, 2e-6]),
+        ("de", 0.7, [1e-12, 8.0, 60.0, 2e-6]),
+        ("improved-de", 0.0, [1e-13, 15.0, 35.0, 1e-7]),
+        ("improved-de", 0.3, [1e-13, 15.0, 35.0, 1e-7]),
+        ("improved-de", 0.7, [1e-13, 15.0, 35.0, 1e-7]),
+        ("firefly", 0.0, [1e-9, 6000.0, 60.0, 1e-5]),
+        ("firefly", 0.3, [1e-9, 6000.0, 60.0, 1e-5]),
+        ("firefly", 0.7, [1e-9, 6000.0, 60.0, 1e-5]),
+        ("l-shade", 0.0, [1e-15, 0.6, 2e-5, 1e-8]),
+        ("l-shade", 0.3, [1e-15, 0.6, 2e-5, 1e-8]),
+        ("l-shade", 0.7, [1e-15, 0.6, 2e-5, 1e-8]),
+        ("cma-es", 0.0, [1e-18, 1e-19, 30.0, 1e-9]),
+        ("cma-es", 0.3, [1e-18, 1e-19, 30.0, 1e-9]),
+        ("cma-es", 0.7, [1e-18, 1e-19, 30.0, 1e-9]),
     ];
     let optimizers = optimizers();
     for (name, share, most) in bounds {

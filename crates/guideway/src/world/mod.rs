@@ -257,6 +257,21 @@ impl World {
         })
     }
 
+    /// As [`World::segment_clearance`] where that is below `reach` (m), 0 where the segment meets blocked cells; anything from `reach` up elsewhere.
+    /// The cost grows with `reach`, not with the map.
+    pub fn segment_clearance_within(&self, a: Point, b: Point, reach: f64) -> f64 {
+        let shapes = self.shapes.iter().map(|s| s.segment_distance(a, b)).fold(reach, |m, d| if d < m { d } else { m });
+        if !(shapes > 0.0 && shapes.is_finite() && [a, b].iter().flatten().all(|v| v.is_finite())) {
+            return if reach.is_finite() { shapes } else { self.segment_clearance(a, b) };
+        }
+        self.grid.as_ref().map_or(shapes, |g| {
+            let scale = g.resolution();
+            let within = (shapes / scale).min(f64::from(g.width()).hypot(f64::from(g.height())));
+            let found = segment::distance(g.blocked(), g.to_cells(a), g.to_cells(b), within);
+            if found < within { found * scale } else { shapes }
+        })
+    }
+
     /// Are both ends, and so all of the segment, inside the world (up to 1e-9 m)?
     fn segment_inside(&self, a: Point, b: Point) -> bool {
         self.nearly_contains(a) && self.nearly_contains(b)

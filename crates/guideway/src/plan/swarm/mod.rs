@@ -5,11 +5,13 @@ mod ga;
 mod guided_walk;
 mod prune;
 mod run;
+mod spline;
 mod way_points;
 
 pub use decoding::{Decoding, Encoding};
 pub use ga::Ga;
 pub(super) use run::{Found, search};
+pub use spline::{Curves, Form, Judged, Settings};
 
 use super::score::Aim;
 use super::{Planner, Preset, Solution};

@@ -1,0 +1,328 @@
+//! Curves as candidates of an optimizer: from numbers to a spline, its objective, and back from a polyline to numbers.
+
+use super::basis::Basis;
+use super::clearance::Obstacles;
+use super::samples::{NODES, Scratch};
+use super::settings::{Form, References, Settings};
+use super::speed::FirstPass;
+use crate::Point;
+use crate::error::PlanError;
+use crate::optimize::{Cost, Objective};
+use crate::path::Path;
+use crate::query::{Limits, Query};
+use crate::world::shape::distance;
+
+/// Range of the scales.
+const SCALES: (f64, f64) = (0.3, 1.0);
+/// Weight of the share of overspeed.
+const OVERSPEED: f64 = 0.5;
+/// Rate of the heading accelerations in the literal objective, Hz.
+const RATE: f64 = 10.0;
+/// Least clearance in the literal objective, m: one over it stays finite.
+const LEAST: f64 = 1e-3;
+
+/// What a curve is worth, term by term.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Judged {
+    /// `L`, m.
+    pub length: f64,
+    /// `T` of the first pass, seven phases over the whole path, s.
+    pub time: f64,
+    /// Repaired: integral of the absolute heading acceleration over time, rad/s. Literal: its sum at 10 Hz, rad/s2.
+    pub turning: f64,
+    /// Least distance of the reference point from an obstacle, m; infinite without obstacles. Exact where the curve is free.
+    pub clearance: f64,
+    /// How much the first pass exceeds the speed ceiling: integral of `v / v_c - 1` over the path, as a share of its length.
+    pub overspeed: f64,
+    /// The objective `f`, half of the overspeed included.
+    pub value: f64,
+    /// Relative lack of clearance, at the worst place plus on average, plus the relative distance outside of the world; 0 where the curve is free.
+    pub violation: f64,
+}
+
+/// The curves of one query.
+///
+/// A candidate is the free control points of a clamped cubic B-spline from start to goal, x and y by turns (m, map frame), then, if searched, the scales
+/// `k_v, k_a, k_j`. With via points the spline passes through each of them, at a knot, with continuous curvature.
+#[derive(Debug, Clone)]
+pub struct Curves {
+    query: Query,
+    settings: Settings,
+    references: References,
+    basis: Basis,
+    obstacles: Obstacles,
+    bounds: Vec<(f64, f64)>,
+    hints: Vec<Vec<f64>>,
+}
+
+impl Curves {
+    /// Curves with `settings.points` free control points on each leg (five if that is 0).
+    /// # Errors
+    /// Those of [`Query::validate`]; [`PlanError::BadParameter`] for settings that make no sense.
+    pub fn new(query: &Query, settings: &Settings) -> Result<Self, PlanError> {
+        let points = if settings.points == 0 { 5 } else { settings.points };
+        let legs: Vec<(usize, f64)> = query.stops().windows(2).map(|w| (points, distance(w[0], w[1]))).collect();
+        Self::along(query, settings, &legs)
+    }
+
+    /// Curves with as many free control points and as long a share of the spline for each leg as told: (points, length in m).
+    /// # Errors
+    /// As [`Curves::new`].
+    pub fn along(query: &Query, settings: &Settings, legs: &[(usize, f64)]) -> Result<Self, PlanError> {
+        query.validate()?;
+        settings.check()?;
+        if legs.len() != query.via.len() + 1 {
+            return Err(PlanError::bad("legs", legs.len(), format!("one for each of {} legs", query.via.len() + 1)));
+        }
+        let spans: Vec<usize> = legs.iter().map(|l| l.0.max(3) - 1).collect();
+        let lengths: Vec<f64> = legs.iter().map(|l| l.1).collect();
+        let basis = Basis::new(&spans, &lengths, &query.via);
+        let [x0, y0, x1, y1] = query.world.bounds();
+        let mut bounds = [(x0, x1), (y0, y1)].repeat(basis.free.len());
+        if settings.scales {
+            bounds.extend([SCALES; 3]);
+        }
+        let references = settings.scale(query);
+        let obstacles = Obstacles::new(query);
+        Ok(Self { query: query.clone(), settings: *settings, references, basis, obstacles, bounds, hints: Vec::new() })
+    }
+
+    /// Free control points.
+    pub fn points(&self) -> usize {
+        self.basis.free.len()
+    }
+
+    /// What is asked.
+    pub fn query(&self) -> &Query {
+        &self.query
+    }
+
+    /// Candidates for the first population.
+    pub fn set_hints(&mut self, hints: Vec<Vec<f64>>) {
+        self.hints = hints;
+    }
+
+    /// Narrows or moves the box that candidates come from.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for another number of pairs.
+    pub fn set_bounds(&mut self, bounds: Vec<(f64, f64)>) -> Result<(), PlanError> {
+        if bounds.len() != self.bounds.len() {
+            return Err(PlanError::bad("bounds", bounds.len(), format!("{} pairs", self.bounds.len())));
+        }
+        self.bounds = bounds;
+        Ok(())
+    }
+
+    /// Control points of a candidate, start and goal included, m.
+    pub fn control(&self, x: &[f64]) -> Vec<Point> {
+        let mut control = Vec::new();
+        self.decode(x, &mut control);
+        control
+    }
+
+    fn decode(&self, x: &[f64], control: &mut Vec<Point>) {
+        let count = self.basis.count();
+        control.resize(count, [0.0; 2]);
+        (control[0], control[count - 1]) = (self.query.start, self.query.goal);
+        for (i, p) in self.basis.free.iter().zip(x.chunks_exact(2)) {
+            control[*i] = [p[0], p[1]];
+        }
+        self.basis.pin(control);
+    }
+
+    /// The path of a candidate.
+    /// # Errors
+    /// [`PlanError::BadParameter`] if its numbers are too few or not finite.
+    pub fn path(&self, x: &[f64]) -> Result<Path, PlanError> {
+        if x.len() != self.bounds.len() {
+            return Err(PlanError::bad("candidate", format!("{} numbers", x.len()), format!("{} numbers", self.bounds.len())));
+        }
+        Path::new(3, 2, self.basis.knots.clone(), self.control(x).into_flattened())
+    }
+
+    /// The limits of the first pass of a candidate: those of the query, scaled.
+    pub fn limits(&self, x: &[f64]) -> Limits {
+        let limits = self.query.limits;
+        match x.get(2 * self.basis.free.len()..) {
+            Some(&[v, a, j]) => Limits {
+                speed: v * limits.speed,
+                acceleration: a * limits.acceleration,
+                deceleration: a * limits.deceleration,
+                jerk: j * limits.jerk,
+                ..limits
+            },
+            _ => limits,
+        }
+    }
+
+    /// What a candidate is worth.
+    pub fn judge(&self, x: &[f64]) -> Judged {
+        self.worth(x, &mut Scratch::default())
+    }
+
+    fn worth(&self, x: &[f64], scratch: &mut Scratch) -> Judged {
+        self.decode(x, &mut scratch.control);
+        scratch.sample(&self.basis);
+        let found = self.obstacles.judge(scratch);
+        let length = scratch.measure().max(1e-12);
+        let pass = FirstPass::new(length, &self.limits(x));
+        let (turning, excess) = self.motion(scratch, &pass);
+        let turning = if self.settings.objective == Form::Literal { literal(scratch, &pass) } else { turning };
+        let mut judged = Judged {
+            length,
+            time: pass.time,
+            turning,
+            clearance: found.clearance,
+            overspeed: excess / length,
+            value: 0.0,
+            violation: found.violation,
+        };
+        judged.value = self.value(&judged);
+        judged
+    }
+
+    /// The objective of section 5.2 with the overspeed of the first pass.
+    fn value(&self, judged: &Judged) -> f64 {
+        let ([w1, w2, w3, w4], to) = (self.settings.weights, self.references);
+        let near = judged.clearance.max(0.0);
+        let (turning, clearance) = match self.settings.objective {
+            Form::Repaired => ((judged.turning / to.turn).min(1.0), if to.safe > near { 1.0 } else { to.safe / near.max(1e-300) }),
+            Form::Literal => (judged.turning, 1.0 / near.max(LEAST)),
+        };
+        w1 * judged.length / to.length + w2 * judged.time / to.time + w3 * turning + w4 * clearance + OVERSPEED * judged.overspeed // (1)
+    }
+
+    /// Total variation of the heading rate, rad/s, and the integral of the excess of speed, m.
+    fn motion(&self, scratch: &Scratch, pass: &FirstPass) -> (f64, f64) {
+        let per_turn = self.query.limits.turn_rate.map_or(0.0, f64::recip);
+        let per_lateral = self.query.limits.lateral_acceleration.map_or(0.0, f64::recip);
+        let (mut turning, mut excess, mut last) = (0.0, 0.0, 0.0);
+        for (piece, place) in scratch.pieces.iter().zip(&scratch.places) {
+            let (mut rate, mut over) = ([0.0; NODES], [0.0; NODES]);
+            for j in 0..NODES {
+                let v = pass.speed(place[j]);
+                let bend = piece.curvature[j].abs();
+                rate[j] = piece.curvature[j] * v;
+                over[j] = (bend * v * per_turn).max(v * (bend * per_lateral).sqrt()) - 1.0;
+            }
+            turning += (rate[0] - last).abs();
+            last = rate[NODES - 1];
+            for j in 0..NODES - 1 {
+                turning += (rate[j + 1] - rate[j]).abs();
+                excess += 0.5 * (over[j].max(0.0) + over[j + 1].max(0.0)) * (place[j + 1] - place[j]);
+            }
+        }
+        (turning + last.abs(), excess)
+    }
+
+    /// The candidate whose curve follows a polyline from start to goal (through the via points), as near as its control points allow: the best of those
+    /// with control points on the line and those drawn towards passing through it.
+    pub fn fit(&self, line: &[Point]) -> Vec<f64> {
+        let targets = self.targets(line);
+        let nodes = self.basis.greville();
+        let mut control = targets.clone();
+        let mut best: Option<(Cost, Vec<f64>)> = None;
+        for _ in 0..4 {
+            self.basis.pin(&mut control);
+            let x = self.encode(&control);
+            let cost = self.cost(self.judge(&x));
+            if best.as_ref().is_none_or(|b| cost.beats(b.0)) {
+                best = Some((cost, x));
+            }
+            let now: Vec<Point> = nodes.iter().map(|u| self.basis.at(&control, *u)).collect();
+            for (c, (target, p)) in control.iter_mut().zip(targets.iter().zip(now)) {
+                *c = [c[0] + target[0] - p[0], c[1] + target[1] - p[1]];
+            }
+        }
+        best.map_or_else(Vec::new, |b| b.1)
+    }
+
+    fn encode(&self, control: &[Point]) -> Vec<f64> {
+        let mut x: Vec<f64> = self.basis.free.iter().flat_map(|&i| control[i]).collect();
+        x.resize(self.bounds.len(), SCALES.1);
+        x.iter_mut().zip(&self.bounds).for_each(|(v, b)| *v = v.clamp(b.0, b.1));
+        x
+    }
+
+    /// Where on the line each control point belongs.
+    fn targets(&self, line: &[Point]) -> Vec<Point> {
+        let mut s = vec![0.0];
+        for w in line.windows(2) {
+            s.push(s[s.len() - 1] + distance(w[0], w[1]));
+        }
+        let total = s[s.len() - 1];
+        let stops = self.stops(line, &s);
+        let at = |v: f64| {
+            let k = s.partition_point(|x| *x <= v).clamp(1, line.len().max(2) - 1);
+            let (Some(a), Some(b)) = (line.get(k - 1), line.get(k)) else { return self.query.start };
+            let share = if s[k] > s[k - 1] { ((v - s[k - 1]) / (s[k] - s[k - 1])).clamp(0.0, 1.0) } else { 0.0 };
+            [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
+        };
+        let place = |u: f64| {
+            let knots = &self.basis.stops;
+            let leg = knots.partition_point(|k| *k <= u).clamp(1, knots.len() - 1) - 1;
+            let share = (u - knots[leg]) / (knots[leg + 1] - knots[leg]);
+            (stops[leg] + share * (stops[leg + 1] - stops[leg])).clamp(0.0, total)
+        };
+        self.basis.greville().into_iter().map(|u| at(place(u))).collect()
+    }
+
+    /// Arc lengths of the line's vertices nearest to start, via points and goal, in order.
+    fn stops(&self, line: &[Point], s: &[f64]) -> Vec<f64> {
+        let mut from = 0;
+        let mut stops = vec![0.0];
+        for p in &self.query.via {
+            let nearest = (from..line.len()).min_by(|&i, &j| distance(line[i], *p).total_cmp(&distance(line[j], *p)));
+            from = nearest.unwrap_or(from);
+            stops.push(s[from]);
+        }
+        stops.push(s[s.len() - 1]);
+        stops
+    }
+
+    pub(super) fn cost(&self, judged: Judged) -> Cost {
+        Cost { violation: judged.violation, value: judged.value, tie: 0.0 }
+    }
+}
+
+/// Sum of the absolute heading accelerations at 10 Hz, rad/s2, from differences of the heading rate.
+fn literal(scratch: &Scratch, pass: &FirstPass) -> f64 {
+    let count = (pass.time * RATE).ceil();
+    let (mut piece, mut node, mut last, mut sum) = (0, 0, 0.0, 0.0);
+    for i in 1..=count as u64 {
+        let s = pass.place((i as f64 / RATE).min(pass.time));
+        while scratch.places[piece][node + 1] < s && (piece + 1 < scratch.pieces.len() || node + 2 < NODES) {
+            node += 1;
+            if node + 1 == NODES {
+                (piece, node) = (piece + 1, 0);
+            }
+        }
+        let (place, bend) = (&scratch.places[piece], &scratch.pieces[piece].curvature);
+        let width = place[node + 1] - place[node];
+        let share = if width > 0.0 { ((s - place[node]) / width).clamp(0.0, 1.0) } else { 0.0 };
+        let rate = (bend[node] + share * (bend[node + 1] - bend[node])) * pass.speed(s);
+        sum += (rate - last).abs() * RATE;
+        last = rate;
+    }
+    sum
+}
+
+impl Objective for Curves {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn costs(&self, xs: &[Vec<f64>]) -> Result<Vec<Cost>, PlanError> {
+        let mut scratch = Scratch::default();
+        Ok(xs.iter().map(|x| self.cost(self.worth(x, &mut scratch))).collect())
+    }
+
+    fn hints(&self) -> &[Vec<f64>] {
+        &self.hints
+    }
+
+    /// Some 4 us a piece.
+    fn effort(&self) -> f64 {
+        4.0 * self.basis.pieces() as f64
+    }
+}

@@ -201,10 +201,10 @@ impl Obstacles {
         scratch.bounds.resize(scratch.pieces.len(), [0.0; NODES]);
         let (mut lowest, mut at) = (f64::INFINITY, (0, 0));
         for (k, (piece, bounds)) in scratch.pieces.iter().zip(&mut scratch.bounds).enumerate() {
-            for j in 0..NODES {
-                bounds[j] = self.quick(piece.node(j));
-                if bounds[j] < lowest {
-                    (lowest, at) = (bounds[j], (k, j));
+            for (j, bound) in bounds.iter_mut().enumerate() {
+                *bound = self.quick(piece.node(j));
+                if *bound < lowest {
+                    (lowest, at) = (*bound, (k, j));
                 }
             }
         }
@@ -213,10 +213,10 @@ impl Obstacles {
             return best;
         }
         for (piece, bounds) in scratch.pieces.iter().zip(&mut scratch.bounds) {
-            for j in 0..NODES {
-                if best >= self.floor && bounds[j] < best {
-                    bounds[j] = self.world.point(piece.node(j), best);
-                    best = best.min(bounds[j]);
+            for (j, bound) in bounds.iter_mut().enumerate() {
+                if best >= self.floor && *bound < best {
+                    *bound = self.world.point(piece.node(j), best);
+                    best = best.min(*bound);
                 }
             }
         }
@@ -304,9 +304,9 @@ fn farthest(piece: &Piece, (n, out): ([f64; 2], f64)) -> f64 {
 #[inline]
 fn nearest_node(piece: &Piece, [x, y, r]: [f64; 3]) -> f64 {
     let mut square: Row = [0.0; NODES];
-    for j in 0..NODES {
-        let (dx, dy) = (piece.x[j] - x, piece.y[j] - y);
-        square[j] = dx * dx + dy * dy;
+    for (square, (px, py)) in square.iter_mut().zip(piece.x.iter().zip(&piece.y)) {
+        let (dx, dy) = (px - x, py - y);
+        *square = dx * dx + dy * dy;
     }
     square.iter().fold(f64::INFINITY, |m, v| if *v < m { *v } else { m }).sqrt() - r
 }

@@ -40,6 +40,13 @@ pub struct Judged {
     pub violation: f64,
 }
 
+impl Judged {
+    /// How candidates compare: free ones first, then by value.
+    pub fn cost(&self) -> Cost {
+        Cost { violation: self.violation, value: self.value, tie: 0.0 }
+    }
+}
+
 /// The curves of one query.
 ///
 /// A candidate is the free control points of a clamped cubic B-spline from start to goal, x and y by turns (m, map frame), then, if searched, the scales
@@ -225,7 +232,7 @@ impl Curves {
         for _ in 0..4 {
             self.basis.pin(&mut control);
             let x = self.encode(&control);
-            let cost = self.cost(self.judge(&x));
+            let cost = self.judge(&x).cost();
             if best.as_ref().is_none_or(|b| cost.beats(b.0)) {
                 best = Some((cost, x));
             }
@@ -279,10 +286,6 @@ impl Curves {
         stops.push(s[s.len() - 1]);
         stops
     }
-
-    pub(super) fn cost(&self, judged: Judged) -> Cost {
-        Cost { violation: judged.violation, value: judged.value, tie: 0.0 }
-    }
 }
 
 /// Sum of the absolute heading accelerations at 10 Hz, rad/s2, from differences of the heading rate.
@@ -314,7 +317,7 @@ impl Objective for Curves {
 
     fn costs(&self, xs: &[Vec<f64>]) -> Result<Vec<Cost>, PlanError> {
         let mut scratch = Scratch::default();
-        Ok(xs.iter().map(|x| self.cost(self.worth(x, &mut scratch))).collect())
+        Ok(xs.iter().map(|x| self.worth(x, &mut scratch).cost()).collect())
     }
 
     fn hints(&self) -> &[Vec<f64>] {

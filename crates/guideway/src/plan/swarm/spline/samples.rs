@@ -91,11 +91,11 @@ impl Piece {
     pub fn lengths(&self) -> [f64; NODES - 1] {
         let [cx, cy] = self.power;
         let mut slope = [0.0; NODES];
-        for j in 0..NODES {
+        for (j, (slope, speed)) in slope.iter_mut().zip(&self.speed).enumerate() {
             let t = STEP * j as f64;
             let (dx, dy) = (cx[1] + t * (2.0 * cx[2] + t * 3.0 * cx[3]), cy[1] + t * (2.0 * cy[2] + t * 3.0 * cy[3]));
             let (ex, ey) = (2.0 * cx[2] + 6.0 * t * cx[3], 2.0 * cy[2] + 6.0 * t * cy[3]);
-            slope[j] = (dx * ex + dy * ey) / self.speed[j];
+            *slope = (dx * ex + dy * ey) / speed;
         }
         let mut out = [0.0; NODES - 1];
         for j in 0..NODES - 1 {

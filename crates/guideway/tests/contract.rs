@@ -173,6 +173,12 @@ fn hard() -> Query {
     Query::new(world, [0.5, 0.5], [f64::from(n) - 0.5, 0.5])
 }
 
+/// Heuristics off the lattice improve for as long as they may: little of that is enough here.
+fn small(entry: &plan::Entry) -> Budget {
+    let endless = !entry.lattice && entry.paper.is_some();
+    Budget { evaluations: endless.then_some(300), ..Budget::default() }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
@@ -188,10 +194,11 @@ proptest! {
         query.footprint = Footprint::Disc([0.0, 0.2, 0.4][radius]);
         let exact = run("visibility", &query, 1, Budget::default());
         for entry in REGISTRY {
-            match (run(entry.name, &query, 1, Budget::default()), &exact) {
+            match (run(entry.name, &query, 1, small(entry)), &exact) {
                 (Ok(solution), Ok(exact)) => {
                     assert_good(entry.name, &query, &solution);
-                    prop_assert!(solution.cost >= exact.cost * (1.0 - 1e-9), "{}: {} below the optimum {}", entry.name, solution.cost, exact.cost);
+                    let (length, least) = (solution.length(), exact.length());
+                    prop_assert!(length >= least * (1.0 - 1e-9), "{}: {length} below the optimum {least}", entry.name);
                 }
                 (Ok(_), Err(e)) => prop_assert!(false, "{} found a path where the exact planner says {e}", entry.name),
                 (Err(PlanError::NoPath(no)), Ok(_)) => prop_assert!(!no.proved || entry.lattice, "{}: proved NoPath, but there is one", entry.name),

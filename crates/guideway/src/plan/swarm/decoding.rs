@@ -20,6 +20,8 @@ pub enum Encoding {
     Walk,
     /// Points joined by straight lines.
     WayPoints,
+    /// Control points of a spline: a continuous planner, not one on the lattice; the other fields of [`Decoding`] mean nothing then.
+    Spline,
 }
 
 /// From a candidate to a path. Parameters that all swarm planners share.
@@ -139,12 +141,12 @@ impl<'a> Judge<'a> {
         let side = f64::from(self.leg.lattice.width().max(self.leg.lattice.height()));
         let broken = match self.decoding.encoding {
             Encoding::Walk => u64::from(!self.ground.walk(ends, x, self.gait, scratch)),
-            Encoding::WayPoints => way_points::draw(&self.ground, ends, x, scratch),
+            Encoding::WayPoints | Encoding::Spline => way_points::draw(&self.ground, ends, x, scratch),
         };
         match self.decoding.encoding {
             _ if broken == 0 => self.worth(&scratch.cells),
             Encoding::Walk => Cost { violation: 1.0, value: 10.0 * side, tie: 0.0 },
-            Encoding::WayPoints => {
+            Encoding::WayPoints | Encoding::Spline => {
                 let crossings = broken as f64;
                 Cost { violation: crossings, value: self.aim.of_cells(&scratch.cells).cost + CROSSING * crossings, tie: 0.0 }
             }

@@ -11,7 +11,7 @@ mod way_points;
 pub use decoding::{Decoding, Encoding};
 pub use ga::Ga;
 pub(super) use run::{Found, search};
-pub use spline::{Curves, Form, Judged, Settings};
+pub use spline::{CmaEs, Curves, De, Firefly, Form, ImprovedDe, Judged, LShade, Settings, Spline};
 
 use super::score::Aim;
 use super::{Planner, Preset, Solution};
@@ -21,7 +21,7 @@ use crate::optimize::{self, Optimizer};
 use crate::query::Query;
 use serde::{Deserialize, Serialize};
 
-/// A planner that minimises over lattice paths with an optimizer.
+/// A planner that minimises over lattice paths with an optimizer; with [`Encoding::Spline`], over splines as [`Spline`] does.
 ///
 /// `trace.legs` has for each leg `convergence`, pairs of iteration and best cost (cells), and `paths`, turning points (m) of the best distinct paths of
 /// the last population.
@@ -107,6 +107,10 @@ impl Preset {
 
 impl<O: Optimizer> Planner for Swarm<O> {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        if self.decoding.encoding == Encoding::Spline {
+            let settings = if self.preset == Preset::Paper { Settings::paper() } else { Settings::default() };
+            return spline::plan(query, &settings, &self.optimizer, ctx);
+        }
         run::plan(query, ctx, |leg, ctx| search(leg, &self.optimizer, &self.decoding, self.preset.aim(query), ctx))
     }
 }

@@ -14,13 +14,8 @@ use crate::world::shape::distance;
 
 /// Range of the scales.
 const SCALES: (f64, f64) = (0.3, 1.0);
-/// Weight of the share of overspeed.
-const OVERSPEED: f64 = 0.5;
 /// Rate of the heading accelerations in the literal objective, Hz.
 const RATE: f64 = 10.0;
-/// Least clearance in the literal objective, m: one over it stays finite.
-const LEAST: f64 = 1e-3;
-
 /// What a curve is worth, term by term.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Judged {
@@ -63,6 +58,9 @@ pub struct Curves {
 }
 
 impl Curves {
+    /// Candidates that [`Curves::fit`] judges.
+    pub const FITS: u64 = 4;
+
     /// Curves with `settings.points` free control points on each leg (five if that is 0).
     /// # Errors
     /// Those of [`Query::validate`]; [`PlanError::BadParameter`] for settings that make no sense.
@@ -97,6 +95,11 @@ impl Curves {
     /// Free control points.
     pub fn points(&self) -> usize {
         self.basis.free.len()
+    }
+
+    /// Encoding and objective.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
     }
 
     /// What is asked.
@@ -135,6 +138,19 @@ impl Curves {
             control[*i] = [p[0], p[1]];
         }
         self.basis.pin(control);
+    }
+
+    /// At most `most` (and at least one per piece) points along a candidate's curve, both ends among them, m.
+    pub fn chain(&self, x: &[f64], most: usize) -> Vec<Point> {
+        let control = self.control(x);
+        let each = (most.saturating_sub(1) / self.basis.pieces()).clamp(1, 8);
+        let mut out = vec![self.query.start];
+        for k in 0..self.basis.pieces() {
+            let c = self.basis.piece(k, &control);
+            let at = |t: f64| [0, 1].map(|d| c[d][0] + t * (c[d][1] + t * (c[d][2] + t * c[d][3])));
+            out.extend((1..=each).map(|i| at(i as f64 / each as f64)));
+        }
+        out
     }
 
     /// The path of a candidate.
@@ -184,19 +200,8 @@ impl Curves {
             value: 0.0,
             violation: found.violation,
         };
-        judged.value = self.value(&judged);
+        judged.value = self.settings.value(&judged, self.references);
         judged
-    }
-
-    /// The objective of section 5.2 with the overspeed of the first pass.
-    fn value(&self, judged: &Judged) -> f64 {
-        let ([w1, w2, w3, w4], to) = (self.settings.weights, self.references);
-        let near = judged.clearance.max(0.0);
-        let (turning, clearance) = match self.settings.objective {
-            Form::Repaired => ((judged.turning / to.turn).min(1.0), if to.safe > near { 1.0 } else { to.safe / near.max(1e-300) }),
-            Form::Literal => (judged.turning, 1.0 / near.max(LEAST)),
-        };
-        w1 * judged.length / to.length + w2 * judged.time / to.time + w3 * turning + w4 * clearance + OVERSPEED * judged.overspeed // (1)
     }
 
     /// Total variation of the heading rate, rad/s, and the integral of the excess of speed, m.
@@ -229,7 +234,7 @@ impl Curves {
         let nodes = self.basis.greville();
         let mut control = targets.clone();
         let mut best: Option<(Cost, Vec<f64>)> = None;
-        for _ in 0..4 {
+        for _ in 0..Self::FITS {
             self.basis.pin(&mut control);
             let x = self.encode(&control);
             let cost = self.judge(&x).cost();

@@ -7,11 +7,18 @@
 mod basis;
 mod clearance;
 mod curves;
+mod methods;
+mod planner;
+mod route;
 mod samples;
 mod settings;
 mod speed;
 #[cfg(test)]
 mod tests;
+mod watch;
 
 pub use curves::{Curves, Judged};
+pub use methods::{CmaEs, De, Firefly, ImprovedDe, LShade};
+pub use planner::Spline;
+pub(super) use planner::plan;
 pub use settings::{Form, Settings};

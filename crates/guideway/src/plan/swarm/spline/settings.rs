@@ -1,8 +1,14 @@
 //! What a continuous planner minimises, and over which curves.
 
+use super::curves::Judged;
 use crate::error::PlanError;
 use crate::query::Query;
 use serde::{Deserialize, Serialize};
+
+/// Weight of the share of overspeed.
+const OVERSPEED: f64 = 0.5;
+/// Least clearance in the literal objective, m: one over it stays finite.
+const LEAST: f64 = 1e-3;
 
 /// Form of the objective (section 5.2 of the page on paths as splines).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -79,6 +85,17 @@ impl Settings {
             Some(safe) if !(0.0..=1e6).contains(&safe) => Err(PlanError::bad("safe", safe, "0 to 1e6 m")),
             _ => Ok(()),
         }
+    }
+
+    /// The objective, of terms that are known.
+    pub(super) fn value(&self, judged: &Judged, to: References) -> f64 {
+        let [w1, w2, w3, w4] = self.weights;
+        let near = judged.clearance.max(0.0);
+        let (turning, clearance) = match self.objective {
+            Form::Repaired => ((judged.turning / to.turn).min(1.0), if to.safe > near { 1.0 } else { to.safe / near.max(1e-300) }),
+            Form::Literal => (judged.turning, 1.0 / near.max(LEAST)),
+        };
+        w1 * judged.length / to.length + w2 * judged.time / to.time + w3 * turning + w4 * clearance + OVERSPEED * judged.overspeed // (4)
     }
 
     pub(super) fn scale(&self, query: &Query) -> References {

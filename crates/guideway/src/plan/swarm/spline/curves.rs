@@ -11,9 +11,13 @@ use crate::optimize::{Cost, Objective};
 use crate::path::Path;
 use crate::query::{Limits, Query};
 use crate::world::shape::distance;
+use std::hint::black_box;
+use std::time::Instant;
 
 /// Range of the scales.
 const SCALES: (f64, f64) = (0.3, 1.0);
+/// Repetitions of a part that is timed.
+const SPLIT: u32 = 8;
 /// Rate of the heading accelerations in the literal objective, Hz.
 const RATE: f64 = 10.0;
 /// What a curve is worth, term by term.
@@ -225,6 +229,37 @@ impl Curves {
             }
         }
         (turning + last.abs(), excess)
+    }
+
+    /// Seconds that the parts of the cost of these candidates take, one part after the other: curve, clearance, arc length, first pass with turning
+    /// and overspeed. For benchmarks.
+    pub fn split(&self, xs: &[Vec<f64>]) -> [f64; 4] {
+        let mut scratch = Scratch::default();
+        let mut times = [0.0; 4];
+        for x in xs {
+            self.decode(x, &mut scratch.control);
+            scratch.sample(&self.basis);
+            for (part, time) in times.iter_mut().enumerate() {
+                // Each part many times: a look at the clock takes as long as one.
+                let from = Instant::now();
+                for _ in 0..SPLIT {
+                    match part {
+                        0 => {
+                            self.decode(black_box(x), &mut scratch.control);
+                            scratch.sample(&self.basis);
+                        }
+                        1 => drop(black_box(self.obstacles.judge(black_box(&mut scratch)))),
+                        2 => drop(black_box(black_box(&mut scratch).measure())),
+                        _ => {
+                            let pass = FirstPass::new(scratch.places[scratch.places.len() - 1][NODES - 1], &self.limits(x));
+                            black_box(self.motion(black_box(&scratch), &pass));
+                        }
+                    }
+                }
+                *time += from.elapsed().as_secs_f64() / f64::from(SPLIT);
+            }
+        }
+        times
     }
 
     /// The candidate whose curve follows a polyline from start to goal (through the via points), as near as its control points allow: the best of those

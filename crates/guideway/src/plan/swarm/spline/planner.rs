@@ -64,7 +64,7 @@ pub(in crate::plan) fn plan(query: &Query, settings: &Settings, optimizer: &dyn 
     let picture = watch.picture();
     let evaluations = ctx.evaluations() - before;
     if minimum.cost.feasible()
-        && let Ok(found) = found(&curves, &minimum, picture, ctx)
+        && let Ok(found) = found(&curves, &minimum, &picture, ctx)
     {
         return Ok(Solution { evaluations, ..found });
     }
@@ -90,7 +90,7 @@ fn motion(query: &Query, path: &Path, ctx: &mut Context) -> Result<Trajectory, P
     time(path, &query.limits, &options, ctx)
 }
 
-fn found(curves: &Curves, minimum: &Minimum, population: Value, ctx: &mut Context) -> Result<Solution, PlanError> {
+fn found(curves: &Curves, minimum: &Minimum, population: &Value, ctx: &mut Context) -> Result<Solution, PlanError> {
     let path = curves.path(&minimum.best)?;
     let trajectory = motion(curves.query(), &path, ctx)?;
     let judged = curves.judge(&minimum.best);

@@ -5,6 +5,7 @@ pub mod front;
 pub mod homotopy;
 mod legs;
 mod registry;
+pub mod sample;
 pub mod score;
 pub mod search;
 pub mod swarm;

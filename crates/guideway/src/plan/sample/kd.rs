@@ -35,8 +35,11 @@ impl Kd {
             self.root = self.balanced(&mut all, 0) as usize;
             return;
         }
+        if new == 0 {
+            return;
+        }
         let (mut at, mut axis) = (self.root, 0);
-        while new > 0 {
+        loop {
             let side = usize::from(p[axis] > self.points[at][axis]);
             let child = &mut self.children[at][side];
             if *child == NONE {

@@ -12,6 +12,7 @@ are counted and left out. Seconds are CPU seconds of one thread; ours hold the m
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import statistics
 import sys
@@ -142,7 +143,7 @@ def main() -> None:
         for case in cases:
             points = peer(name, rooms[case[0]], arguments.seconds)
             if points is not None:
-                length = sum(math.dist(p, q) for p, q in zip(points, points[1:], strict=False))
+                length = sum(math.dist(p, q) for p, q in itertools.pairwise(points))
                 found[case] = (length, accepted(points, asked(rooms[case[0]])))
         good = {case: length for case, (length, ok) in found.items() if ok}
         for case, length in good.items():

@@ -13,6 +13,7 @@ STEPS = {
     "Distance transform beside SciPy": [sys.executable, "benches/distance.py"],
     "S-curve beside rsruckig": ["cargo", "run", "--quiet", "--release", "--package", "peers-rs"],
     "Ants on corners beside the any-angle optimum": [sys.executable, "benches/sparse_ants.py", "--seeds", "3"],
+    "Shortest paths among discs beside OMPL": [sys.executable, "benches/continuous.py"],
     "Ant colonies beside aco-routing": [sys.executable, "benches/colonies.py"],
     "The whole plan of a warehouse": [sys.executable, "benches/whole_plan.py"],
 }

@@ -1,4 +1,7 @@
-"""Draws the pictures of the method pages and measures their figures: ``python docs/methods/make.py pictures | colonies | replanning | times``."""
+"""Draws the pictures of the method pages and measures their figures.
+
+python docs/methods/make.py pictures | colonies | replanning | times | sampling
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,12 @@ SHOWN = {
     "sparrow": [("sparrow", PAPER | {"prune": False}, "sparrow, no pruning"), ("grouped-pso", PAPER, "grouped-pso")],
 }
 """What each page's picture compares, on scene:m30 with seed 1; the first is on the map."""
+SAMPLED = {
+    "rrt-connect": [("rrt-connect", {}, "rrt-connect"), ("rrt-star", {}, "rrt-star")],
+    "rrt-star": [("rrt-star", {}, "rrt-star"), ("rrt-star", PAPER, "rrt-star, preset paper")],
+    "informed-rrt-star": [("informed-rrt-star", PAPER, "informed-rrt-star, preset paper"), ("rrt-star", PAPER, "rrt-star, preset paper")],
+}
+"""The same in scene:w0 without what moves."""
 COLONIES = [
     ("aco", {}), ("aco", PAPER), ("mmas", {}), ("mmas", PAPER), ("bidirectional-aco", {}), ("bidirectional-aco", BARE), ("bidirectional-aco", PAPER),
     ("improved-aco", BARE), ("pso-aco", {}), ("pso-aco", BARE), ("pso-aco", PAPER),
@@ -44,6 +53,13 @@ def corner_job(world: gw.World, planner: str, settings: dict, seed: int = 1) -> 
     half = world.resolution / 2
     ends = {"start": (half, half), "goal": (size - half, size - half)}
     return jobs.Job(world, **ends, planner=planner, set=settings, seed=seed, refine="none", timing=False)
+
+
+def room_job(room: gw.scenes.RoomScene, planner: str, settings: dict, seed: int = 1) -> jobs.Job:
+    """The query of a room as a job."""
+    query = room.query("static")
+    ends = {"start": tuple(query.start), "goal": tuple(query.goal), "clearance": query.clearance, "limits": room.limits}
+    return jobs.Job(query.world, **ends, planner=planner, set=settings, seed=seed, refine="none", timing=False)
 
 
 def put(name: str, written: list[Path]) -> None:
@@ -61,6 +77,10 @@ def pictures() -> None:
         for name, rows in SHOWN.items():
             records = [jobs.run(corner_job(world, planner, settings)).record | {"label": label} for planner, settings, label in rows]
             put(name, search_figure(records, world, Path(folder) / name))
+        room = gw.scenes.load("w0")
+        for name, rows in SAMPLED.items():
+            records = [jobs.run(room_job(room, planner, settings)).record | {"label": label} for planner, settings, label in rows]
+            put(name, search_figure(records, room.world("static"), Path(folder) / name))
         put("replanning", replanned(Path(folder) / "replanning"))
         put("sparse-graph", corners(Path(folder) / "sparse-graph"))
 
@@ -166,8 +186,31 @@ def times() -> None:
         print(f"| `{planner}` |", " | ".join(row), "|")
 
 
+def sampling() -> None:
+    """Solved runs of 30, median and worst gap to the exact optimum and median time, in rooms and a maze, by default and as in the sources."""
+    maze = gw.scenes.environment("maze", 1, 30)
+    queries = {name: gw.scenes.load(name).query("static") for name in ("w0", "w1")} | {"a maze, 30 x 30": maze.query()}
+    print("| |", " | ".join(queries), "|")
+    print("|---" * (len(queries) + 1) + "|")
+    more = [(name, {"preset": "paper", "samples": 20_000}) for name in ("rrt-star", "informed-rrt-star")]
+    for planner, settings in [(name, way) for name in SAMPLED for way in ({}, PAPER)] + more:
+        row = []
+        for query in queries.values():
+            exact = gw.plan(query).cost
+            runs = []
+            for seed in SEEDS:
+                try:
+                    runs.append(gw.plan(query, planner, seed=seed, set=settings))
+                except gw.NoPath:
+                    continue
+            gaps = [100 * (run.cost / exact - 1) for run in runs]
+            time = 1e3 * np.median([run.seconds for run in runs])
+            row.append(f"{len(runs)}, {np.median(gaps):.2f} %, {max(gaps):.2f} %, {time:.2g} ms")
+        print(f"| `{' '.join([planner, *(f'{k}={v}' for k, v in settings.items())])}` |", " | ".join(row), "|")
+
+
 if __name__ == "__main__":
-    known = {"pictures": pictures, "colonies": colonies, "replanning": replanning, "times": times}
+    known = {"pictures": pictures, "colonies": colonies, "replanning": replanning, "times": times, "sampling": sampling}
     if len(sys.argv) != 2 or sys.argv[1] not in known:
         sys.exit(__doc__)
     known[sys.argv[1]]()

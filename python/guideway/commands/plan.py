@@ -262,7 +262,7 @@ def _print_list(entries: list[dict[str, Any]]) -> None:
     groups = (
         ("Searches: no chance, nothing to tune", [entry for entry in entries if entry["paper"] is None]),
         (
-            "Ant colonies and swarms: heuristics, the same for the same --seed; preset=paper for the settings of the source",
+            "Ant colonies, swarms and random trees: heuristics, the same for the same --seed; preset=paper for the settings of the source",
             [e for e in entries if e["paper"]],
         ),
     )

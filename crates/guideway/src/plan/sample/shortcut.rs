@@ -6,6 +6,9 @@ use crate::world::shape::distance;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+/// How often the reach of shortcuts is halved before it is the whole path again.
+const SCALES: u32 = 7;
+
 /// Length of a polyline, m.
 pub(super) fn length(points: &[Point]) -> f64 {
     points.windows(2).map(|w| distance(w[0], w[1])).sum()
@@ -17,12 +20,14 @@ pub(super) fn shorten(points: &[Point], tries: u32, ground: &mut Ground, rng: &m
         return points.to_vec();
     }
     let mut way = pulled(points, ground);
-    for _ in 0..tries {
+    for k in 0..tries {
         if way.len() < 3 {
             break;
         }
         let total = length(&way);
-        let (a, b) = (rng.random_range(0.0..=total), rng.random_range(0.0..=total));
+        // Between any two places first, then between nearer and nearer ones, over and over.
+        let (a, reach) = (rng.random_range(0.0..=total), total * 0.5f64.powi((k % SCALES) as i32));
+        let b = (a + rng.random_range(-reach..=reach)).clamp(0.0, total);
         let ((i, p), (j, q)) = (place(&way, a.min(b)), place(&way, a.max(b)));
         let straight = distance(p, q);
         if i < j && (b - a).abs() - straight > 1e-12 * total && ground.free(p, q) && ground.free(way[i], p) && ground.free(q, way[j + 1]) {

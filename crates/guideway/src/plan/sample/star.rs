@@ -67,11 +67,11 @@ impl Star {
     }
 
     fn leg(&self, informed: bool, leg: &mut Leg, ctx: &mut Context) -> Result<Found, PlanError> {
-        let mut growth = Growth::new(leg, self.rewire);
+        let mut growth = Growth::new(leg, informed, self.rewire);
         let mut samples = 0;
         let stop = loop {
             samples += 1;
-            if let Some(q) = self.sample(informed, &mut growth, leg, ctx) {
+            if let Some(q) = self.sample(&mut growth, leg, ctx) {
                 growth.grow(q, leg);
                 growth.improve(self.shortcuts, leg, ctx);
             }
@@ -89,14 +89,14 @@ impl Star {
     }
 
     /// The next sample: a point of the best path that is not in the tree yet, the goal now and then until there is a path, else a random point.
-    fn sample(&self, informed: bool, growth: &mut Growth, leg: &Leg, ctx: &mut Context) -> Option<Point> {
+    fn sample(&self, growth: &mut Growth, leg: &Leg, ctx: &mut Context) -> Option<Point> {
         if let Some(p) = growth.waiting.pop_front() {
             return Some(p);
         }
         if growth.goal.is_none() && ctx.rng.random_bool(self.goal_bias) {
             return Some(leg.ends[1]);
         }
-        if informed && growth.ellipse.area(growth.best) < leg.ground.area() {
+        if growth.informed && growth.ellipse.area(growth.best) < leg.ground.area() {
             return leg.ground.drawn(|| growth.ellipse.draw(growth.best, &mut ctx.rng));
         }
         leg.ground.random(&mut ctx.rng)
@@ -108,7 +108,9 @@ struct Growth {
     tree: Tree,
     ends: [Point; 2],
     ellipse: Ellipse,
-    /// Radius of rewiring at n nodes: this times sqrt(ln n / n).
+    /// Samples come from the ellipse.
+    informed: bool,
+    /// Radius of rewiring at n nodes: this times sqrt(area ln n / n), with the area that samples come from, at least the free part of it.
     gamma: f64,
     /// The node at the goal.
     goal: Option<usize>,
@@ -123,12 +125,12 @@ struct Growth {
 }
 
 impl Growth {
-    fn new(leg: &Leg, rewire: f64) -> Self {
-        // [karaman2011], theorem 38, in the plane: (2 (1 + 1/2))^(1/2) (area / pi)^(1/2); the free area is at most that of the bounds.
-        let gamma = rewire * (3.0 * leg.ground.area() / PI).sqrt();
+    fn new(leg: &Leg, informed: bool, rewire: f64) -> Self {
+        // [karaman2011], theorem 38, in the plane: (2 (1 + 1/2))^(1/2) (area / pi)^(1/2).
+        let gamma = rewire * (3.0 / PI).sqrt();
         let (tree, ellipse) = (Tree::new(leg.ends[0]), Ellipse::new(leg.ends));
         let (path, waiting, near) = (Vec::new(), VecDeque::new(), Vec::new());
-        Self { tree, ends: leg.ends, ellipse, gamma, goal: None, path, best: f64::INFINITY, seen: f64::INFINITY, waiting, near }
+        Self { tree, ends: leg.ends, ellipse, informed, gamma, goal: None, path, best: f64::INFINITY, seen: f64::INFINITY, waiting, near }
     }
 
     /// One sample: a new node at the end of a step towards it, below the best parent around, and a better parent for its neighbours.
@@ -140,7 +142,8 @@ impl Growth {
             return;
         }
         let n = (self.tree.len() + 1) as f64;
-        let radius = (self.gamma * (n.ln() / n).sqrt()).min(leg.ground.step);
+        let area = if self.informed { leg.ground.area().min(self.ellipse.area(self.best)) } else { leg.ground.area() };
+        let radius = (self.gamma * (area * n.ln() / n).sqrt()).min(leg.ground.step);
         let mut near = std::mem::take(&mut self.near);
         self.tree.near.within(p, radius, &mut near);
         near.sort_unstable();

@@ -25,7 +25,7 @@ mod _core {
     #[pymodule_export]
     use crate::exact::{lattice_optimum, pareto};
     #[pymodule_export]
-    use crate::motion::{Trajectory, ceiling, controllers, drive, time};
+    use crate::motion::{Trajectory, ceiling, controllers, correct, drive, time};
     #[pymodule_export]
     use crate::path::Path;
     #[pymodule_export]

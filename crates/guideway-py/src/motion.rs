@@ -10,7 +10,7 @@ use guideway::drive as core;
 use guideway::error::PlanError;
 use guideway::query::Limits;
 use guideway::refine::{Refiner, Smooth};
-use guideway::timing::{self, Piece, TimingOptions};
+use guideway::timing::{self, Method, Piece, TimingOptions};
 use guideway::{plan, query};
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -80,17 +80,54 @@ impl Trajectory {
     }
 }
 
-/// Puts a path into time under limits: jerk-limited, as fast as curvature, lateral acceleration and turn rate allow, never stopping where it need not.
+/// Puts a path into time under limits, never stopping where it need not.
+///
+/// `method`: `time-optimal` (jerk-limited, as fast as curvature, lateral acceleration and turn rate allow), `iascv` (seven-phase S-curves corrected at nodes; see
+/// `correct`) or `trapezoid` (no limit of jerk: its acceleration jumps and it passes no certificate; a baseline). `start_yaw` and `goal_yaw` in rad,
+/// `start_speed` and `end_speed` in m/s.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None))]
-pub fn time(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, start_yaw: Option<f64>, goal_yaw: Option<f64>) -> PyResult<Trajectory> {
+#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None, method="time-optimal", start_speed=0.0, end_speed=0.0))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
+pub fn time(
+    py: Python<'_>,
+    path: &Path,
+    limits: &Bound<'_, PyAny>,
+    start_yaw: Option<f64>,
+    goal_yaw: Option<f64>,
+    method: &str,
+    start_speed: f64,
+    end_speed: f64,
+) -> PyResult<Trajectory> {
     let limits: Limits = from_python("limits", limits)?;
+    let method = Method::named(method).or_py(py)?;
     let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| {
-        let options = TimingOptions { start_yaw, goal_yaw, ..TimingOptions::default() };
+        let options = TimingOptions { start_yaw, goal_yaw, method, start_speed, end_speed, ..TimingOptions::default() };
         timing::time(&path.inner, &limits, &options, ctx)
     })?;
     raised.map_or(Ok(()), Err)?;
     result.map(|inner| Trajectory { inner }).or_py(py)
+}
+
+/// The loop on speed along a path: from the first pass, seven phases over each stretch between stops that know nothing of curvature, to a profile that keeps
+/// the speed ceiling.
+///
+/// A dictionary: `ceiling`, `before`, `after` (rows arc length in m, speed in m/s), `regions_before`, `regions_after` (overspeed regions: `from`, `to`, `worst` in
+/// m, `ratio` of speed and ceiling there, `excess` in m), `nodes` (rows arc length in m, speed in m/s, of zero acceleration), `log` (a row per pass: `regions`,
+/// `worst`, `nodes`, `duration` in s), `overspeed` (share of the length), `duration` (s) of the motion. `time` with the method `iascv` gives the motion itself.
+#[pyfunction]
+pub fn correct<'py>(py: Python<'py>, path: &Path, limits: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let limits: Limits = from_python("limits", limits)?;
+    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| timing::corrected(&path.inner, &limits, &TimingOptions::default(), ctx))?;
+    raised.map_or(Ok(()), Err)?;
+    let (trajectory, loops) = result.or_py(py)?;
+    let (speed, length) = (timing::SpeedTrace::of(&loops), path.inner.length());
+    let nodes: Vec<_> = loops.iter().flat_map(|part| part.corrected.nodes.iter().map(|(s, v)| [part.from + s, *v])).collect();
+    let log: Vec<_> = loops.iter().flat_map(|part| &part.corrected.log).collect();
+    let mut record = serde_json::json!(speed);
+    record["overspeed"] = timing::overspeed(&speed.regions_before, length).into();
+    (record["nodes"], record["log"]) = (serde_json::json!(nodes), serde_json::json!(log));
+    record["duration"] = trajectory.duration().into();
+    to_python(py, &record)
 }
 
 /// Speed ceiling along a path, rows (arc length in m, m/s), shape (n, 2).

@@ -3,6 +3,7 @@
 pub mod colony;
 pub mod front;
 pub mod homotopy;
+mod iascv;
 mod legs;
 mod registry;
 pub mod sample;
@@ -10,6 +11,7 @@ pub mod score;
 pub mod search;
 pub mod swarm;
 
+pub use iascv::Iascv;
 pub use registry::REGISTRY;
 
 use crate::Point;

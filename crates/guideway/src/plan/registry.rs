@@ -490,4 +490,17 @@ pub const REGISTRY: &[Entry] = &[
         ],
         paper
     ),
+    entry!(
+        "iascv",
+        super::Iascv,
+        false,
+        "zhang2025",
+        "Exact shortest path, rounded corners, S-curves corrected at nodes until the speed ceiling is kept; path and motion, no search",
+        [
+            ("timing", "how the speed is found: iascv | time-optimal"),
+            ("max_curvature", "largest curvature, 1/m; met where there is room"),
+            ("stretch", "length that a bend may add, share of its legs, 0 to 1"),
+            ("smallest", "bends with a smaller radius stay corners, cells"),
+        ]
+    ),
 ];

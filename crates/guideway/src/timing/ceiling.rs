@@ -60,10 +60,18 @@ impl Ceiling {
             let at = |k: usize| curvature[k.min(curvature.len() - 1)];
             (at(i + 1) - 2.0 * at(i) + at(i.saturating_sub(1))).abs()
         };
+        // Where polynomial pieces meet the curvature has a kink, and often a peak: it is looked up there, on both sides.
+        let mut kinks = vec![0.0f64; count];
+        for joint in path.joints().into_iter().map(|s| s - from).filter(|s| *s > 0.0 && *s < length) {
+            for s in [joint - 1e-9 * length, joint + 1e-9 * length] {
+                let cell = ((s / length * count as f64) as usize).min(count - 1);
+                kinks[cell] = kinks[cell].max(path.planar(from + s).curvature.abs());
+            }
+        }
         let cells = (0..count).map(|cell| {
             let range = cell * SAMPLES..=(cell + 1) * SAMPLES;
             // Between samples a smooth curve rises above both by at most an eighth of its second difference.
-            let highest = range.clone().map(|i| curvature[i]).fold(0.0, f64::max) + 0.25 * range.clone().map(bend).fold(0.0, f64::max);
+            let highest = range.clone().map(|i| curvature[i]).fold(kinks[cell], f64::max) + 0.25 * range.clone().map(bend).fold(0.0, f64::max);
             let by_clearance = extra.map_or(f64::INFINITY, |f| range.map(|i| f(inside(i))).fold(f64::INFINITY, f64::min));
             limit(highest, limits).min(by_clearance) * (1.0 - MARGIN)
         });

@@ -6,7 +6,7 @@
 //! every step adds a node on a finite grid or lowers a speed to that of a cell, and the loop ends.
 
 use super::ceiling::Ceiling;
-use super::overspeed::{Region, regions};
+use super::overspeed::{ROUNDING, Region, merged, parts, regions};
 use super::scurve::{Bounds, Jerks, Profile, SCurve, reachable};
 use crate::error::PlanError;
 use crate::query::Limits;
@@ -46,6 +46,8 @@ pub struct Pass {
 /// A corrected profile and how it came about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Corrected {
+    /// The first pass: one S-curve over the whole length.
+    pub first: [(f64, Profile); 1],
     /// S-curves, each with its start (m).
     pub chain: Vec<(f64, Profile)>,
     /// Nodes of zero acceleration: arc length (m), speed (m/s). Both ends are nodes.
@@ -73,24 +75,33 @@ impl Corrected {
 pub fn correct(ceiling: &Ceiling, bounds: &Bounds, ends: (f64, f64)) -> Result<Corrected, PlanError> {
     let length = ceiling.length();
     let whole = SCurve { distance: length, start: (ends.0, 0.0), end: (ends.1, 0.0), bounds: *bounds }.plan()?;
-    let chain = vec![(0.0, whole)];
-    let before = regions(&chain, ceiling);
+    let first = [(0.0, whole)];
+    let before = regions(&first, ceiling);
     if before.is_empty() {
-        return Ok(Corrected { chain, nodes: vec![(0.0, ends.0), (length, ends.1)], passes: 1, before, after: Vec::new(), log: Vec::new() });
+        return Ok(Corrected {
+            first,
+            chain: first.to_vec(),
+            nodes: vec![(0.0, ends.0), (length, ends.1)],
+            passes: 1,
+            before,
+            after: Vec::new(),
+            log: Vec::new(),
+        });
     }
-    let mut loops = Loop { ceiling, bounds, nodes: Vec::new() };
+    let mut loops = Loop { ceiling, bounds, nodes: Vec::new(), segments: Vec::new() };
     loops.start(ends);
     let mut log = Vec::new();
     for _ in 0..PASSES * ceiling.cells().len() + 100 {
         loops.lower(ends)?;
-        let chain = loops.chain().ok_or_else(|| unkept(ends))?;
-        let found = regions(&chain, ceiling);
+        loops.plan().ok_or_else(|| unkept(ends))?;
+        let found = merged(&loops.segments.iter().flat_map(|s| &s.above).copied().collect::<Vec<_>>(), ceiling, ROUNDING);
         let worst = found.iter().map(|r| r.ratio).fold(1.0, f64::max);
-        let duration = chain.iter().map(|(_, p)| p.duration()).sum();
+        let duration = loops.segments.iter().map(|s| s.profile.duration()).sum();
         log.push(Pass { regions: found.len() as u32, worst, nodes: loops.nodes.len() as u32, duration });
         if found.is_empty() {
+            let chain = loops.segments.iter().map(|s| (s.ends[0].s, s.profile)).collect();
             let nodes = loops.nodes.iter().map(|n| (n.s, n.v)).collect();
-            return Ok(Corrected { chain, nodes, passes: 1 + log.len() as u32, before, after: found, log });
+            return Ok(Corrected { first, chain, nodes, passes: 1 + log.len() as u32, before, after: found, log });
         }
         for region in &found {
             loops.repair(region);
@@ -105,17 +116,25 @@ fn unkept((start, end): (f64, f64)) -> PlanError {
 }
 
 /// A place of zero acceleration and the speed limit from there to the next.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Node {
     s: f64,
     v: f64,
     cap: f64,
 }
 
+/// The plan between two nodes and what of it lies above the ceiling.
+struct Segment {
+    ends: [Node; 2],
+    profile: Profile,
+    above: Vec<Region>,
+}
+
 struct Loop<'a> {
     ceiling: &'a Ceiling,
     bounds: &'a Bounds,
     nodes: Vec<Node>,
+    segments: Vec<Segment>,
 }
 
 impl Loop<'_> {
@@ -154,29 +173,36 @@ impl Loop<'_> {
     /// Lowers node speeds, backward and forward, until a plan between neighbours exists.
     fn lower(&mut self, ends: (f64, f64)) -> Result<(), PlanError> {
         let last = self.nodes.len() - 1;
+        let nodes = &mut self.nodes;
         for i in (0..last).rev() {
-            let gap = self.nodes[i + 1].s - self.nodes[i].s;
-            if self.nodes[i].v > self.nodes[i + 1].v {
-                self.nodes[i].v = self.nodes[i].v.min(reachable(self.nodes[i + 1].v, gap, self.bounds, false));
-            }
+            nodes[i].v = reachable(nodes[i + 1].v, nodes[i].v, nodes[i + 1].s - nodes[i].s, self.bounds, false);
         }
         for i in 0..last {
-            let gap = self.nodes[i + 1].s - self.nodes[i].s;
-            if self.nodes[i + 1].v > self.nodes[i].v {
-                self.nodes[i + 1].v = self.nodes[i + 1].v.min(reachable(self.nodes[i].v, gap, self.bounds, true));
-            }
+            nodes[i + 1].v = reachable(nodes[i].v, nodes[i + 1].v, nodes[i + 1].s - nodes[i].s, self.bounds, true);
         }
         if self.nodes[0].v < ends.0 || self.nodes[last].v < ends.1 { Err(unkept(ends)) } else { Ok(()) }
     }
 
-    /// The seven-phase plans between neighbours.
-    fn chain(&self) -> Option<Vec<(f64, Profile)>> {
-        let plan = |w: &[Node]| {
-            let speed = w[0].cap.max(w[0].v).max(w[1].v);
-            let curve = SCurve { distance: w[1].s - w[0].s, start: (w[0].v, 0.0), end: (w[1].v, 0.0), bounds: Bounds { speed, ..*self.bounds } };
-            curve.between_troughs().map(|p| (w[0].s, p))
-        };
-        self.nodes.windows(2).map(plan).collect()
+    /// The seven-phase plans between neighbours; those that are as before are kept. `None` if there is none somewhere.
+    fn plan(&mut self) -> Option<()> {
+        let mut old = std::mem::take(&mut self.segments).into_iter().peekable();
+        for w in self.nodes.windows(2) {
+            while old.next_if(|s| s.ends[0].s < w[0].s).is_some() {}
+            let kept = old.next_if(|s| s.ends[0] == w[0] && (s.ends[1].s, s.ends[1].v) == (w[1].s, w[1].v));
+            let segment = match kept {
+                Some(segment) => segment,
+                None => self.segment([w[0], w[1]])?,
+            };
+            self.segments.push(segment);
+        }
+        Some(())
+    }
+
+    fn segment(&self, ends: [Node; 2]) -> Option<Segment> {
+        let [a, b] = ends;
+        let bounds = Bounds { speed: a.cap.max(a.v).max(b.v), ..*self.bounds };
+        let profile = SCurve { distance: b.s - a.s, start: (a.v, 0.0), end: (b.v, 0.0), bounds }.between_troughs()?;
+        Some(Segment { ends, profile, above: parts(&[(a.s, profile)], self.ceiling) })
     }
 
     /// One step against a region: a node at its worst point, or near it; or lower speeds where nodes are dense.

@@ -1,8 +1,9 @@
-//! The default timing: turns in place where the heading jumps, a jerk-limited profile under the speed ceiling everywhere else.
+//! Timing of whole paths: turns in place where the heading jumps, a profile under the speed ceiling everywhere else.
 
 use super::ceiling::Ceiling;
-use super::profile::fastest;
-use super::scurve::{Bounds, Profile, advance};
+use super::correction::{Corrected, correct};
+use super::method::{Method, Step, steps};
+use super::scurve::{Bounds, Profile};
 use super::trajectory::{Piece, Trajectory};
 use super::turn::{SAME_HEADING, turn_time};
 use super::{Timing, TimingOptions};
@@ -23,22 +24,58 @@ pub struct JerkLimited {
     pub start_speed: f64,
     /// Speed at the end, m/s.
     pub end_speed: f64,
+    /// How the speed is found.
+    pub method: Method,
 }
 
 impl Timing for JerkLimited {
     fn time(&self, path: &Path, limits: &Limits, ctx: &mut Context) -> Result<Trajectory, PlanError> {
-        let Self { start_yaw, goal_yaw, start_speed, end_speed } = *self;
-        time(path, limits, &TimingOptions { start_yaw, goal_yaw, start_speed, end_speed, clearance_ceiling: None }, ctx)
+        let Self { start_yaw, goal_yaw, start_speed, end_speed, method } = *self;
+        time(path, limits, &TimingOptions { start_yaw, goal_yaw, start_speed, end_speed, method, clearance_ceiling: None }, ctx)
     }
 }
 
 /// The motion along a planar path: at rest at both ends unless `options` say otherwise, stops only where the heading jumps.
 ///
-/// Speed, acceleration, deceleration, jerk, lateral acceleration and turn rate keep their limits everywhere, not only at samples. Turns in place
-/// use 1 rad/s and 2 rad/s2 where the limits name nothing ([`super::DEFAULT_TURN_RATE`], [`super::DEFAULT_TURN_ACCELERATION`]).
+/// Speed, acceleration, deceleration, jerk, lateral acceleration and turn rate keep their limits everywhere, not only at samples (the trapezoid has no limit of
+/// jerk). Turns in place use 1 rad/s and 2 rad/s2 where the limits name nothing ([`super::DEFAULT_TURN_RATE`], [`super::DEFAULT_TURN_ACCELERATION`]).
 /// # Errors
 /// [`PlanError::BadParameter`] for bad limits or options, [`PlanError::Infeasible`] if boundary speeds do not fit, [`PlanError::Cancelled`].
 pub fn time(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Context) -> Result<Trajectory, PlanError> {
+    let bounds = Bounds::from(limits);
+    compose(path, limits, options, ctx, &mut |from, ceiling, ends| options.method.stretch(from, &ceiling, &bounds, ends))
+}
+
+/// The loop on the speed of one stretch of a path.
+#[derive(Debug, Clone)]
+pub struct Loop {
+    /// Arc length where the stretch begins, m.
+    pub from: f64,
+    /// Its ceiling.
+    pub ceiling: Ceiling,
+    /// What the loop made of it.
+    pub corrected: Corrected,
+}
+
+/// The motion of [`Method::Iascv`] along a path, and the loop of each of its stretches between stops.
+/// # Errors
+/// As [`time`].
+pub fn corrected(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Context) -> Result<(Trajectory, Vec<Loop>), PlanError> {
+    let bounds = Bounds::from(limits);
+    let mut loops = Vec::new();
+    let trajectory = compose(path, limits, options, ctx, &mut |from, ceiling, ends| {
+        let corrected = correct(&ceiling, &bounds, ends)?;
+        let all = corrected.chain.iter().flat_map(|(s, profile)| steps(from + s, profile)).collect();
+        loops.push(Loop { from, ceiling, corrected });
+        Ok(all)
+    })?;
+    Ok((trajectory, loops))
+}
+
+/// Puts one stretch between stops into time: from its start (m) under its ceiling between its end speeds (m/s).
+type Stretch<'a> = &'a mut dyn FnMut(f64, Ceiling, (f64, f64)) -> Result<Vec<Step>, PlanError>;
+
+fn compose(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Context, stretch: Stretch) -> Result<Trajectory, PlanError> {
     let limits = limits.validated()?;
     options.validate(&limits)?;
     if path.dimension() != 2 {
@@ -69,9 +106,7 @@ pub fn time(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Con
         let extra = options.clearance_ceiling.map(|f| f as &dyn Fn(f64) -> f64);
         let ceiling = Ceiling::of_path(path, (pair[0], pair[1]), &limits, extra);
         require_passable(&ceiling, pair[0])?;
-        for (s, profile) in fastest(&ceiling, &Bounds::from(&limits), ends)? {
-            out.along(pair[0] + s, &profile);
-        }
+        out.along(&stretch(pair[0], ceiling, ends)?);
         if let Some(corner) = corners.get(i) {
             out.turn(corner.s, corner.heading_in, corner.heading_out);
         }
@@ -84,7 +119,7 @@ pub fn time(path: &Path, limits: &Limits, options: &TimingOptions, ctx: &mut Con
 pub fn composed(path: &Path, chain: &[(f64, Profile)], limits: &Limits) -> Trajectory {
     let mut out = Composer { limits: *limits, t: 0.0, pieces: Vec::new() };
     for (from, profile) in chain {
-        out.along(*from, profile);
+        out.along(&steps(*from, profile));
     }
     Trajectory { path: path.clone(), pieces: out.pieces, limits: *limits }
 }
@@ -119,14 +154,10 @@ impl Composer {
         }
     }
 
-    fn along(&mut self, from: f64, profile: &Profile) {
-        let (v, a) = profile.start();
-        let mut state = (from, v, a);
-        for phase in profile.phases().iter().filter(|p| p.duration > 0.0) {
-            let (s, speed, acceleration) = state;
-            self.pieces.push(Piece::Along { t: self.t, s, speed, acceleration, jerk: phase.jerk, duration: phase.duration });
-            self.t += phase.duration;
-            state = advance(state, phase.jerk, phase.duration);
+    fn along(&mut self, steps: &[Step]) {
+        for &Step { s, speed, acceleration, jerk, duration } in steps {
+            self.pieces.push(Piece::Along { t: self.t, s, speed, acceleration, jerk, duration });
+            self.t += duration;
         }
     }
 }

@@ -5,20 +5,25 @@ mod correction;
 mod csv;
 mod energy;
 mod jerk_limited;
+mod method;
 mod overspeed;
 mod profile;
 pub mod scurve;
+mod trace;
 mod trajectory;
+mod trapezoid;
 mod turn;
 
 pub use ceiling::{Ceiling, ceiling};
 pub use correction::{Corrected, Pass, correct, first_pass};
 pub use csv::CSV_HEADER;
 pub use energy::Drive;
-pub use jerk_limited::{JerkLimited, composed, time};
+pub use jerk_limited::{JerkLimited, Loop, composed, corrected, time};
+pub use method::Method;
 pub use overspeed::{Region, extremes, overspeed, regions};
 pub use profile::fastest;
 pub use scurve::{Bounds, Jerks, Profile, SCurve};
+pub use trace::SpeedTrace;
 pub use trajectory::{Piece, State, Trajectory};
 
 pub use turn::{DEFAULT_TURN_ACCELERATION, DEFAULT_TURN_RATE, turn_time};
@@ -47,6 +52,8 @@ pub struct TimingOptions<'a> {
     pub start_speed: f64,
     /// Speed at the end, m/s.
     pub end_speed: f64,
+    /// How the speed is found.
+    pub method: Method,
     /// A further ceiling (m/s) of the arc length (m), e.g. [`safe_speed`] of the clearance there. Sampled every few millimetres.
     pub clearance_ceiling: Option<&'a dyn Fn(f64) -> f64>,
 }

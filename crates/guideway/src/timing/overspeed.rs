@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// A maximum of speed over ceiling counts above this.
 const RATIO: f64 = 1.0 + 1e-6;
 /// What rounding may add to a speed at the ceiling.
-const ROUNDING: f64 = 1.0 + 1e-9;
+pub(super) const ROUNDING: f64 = 1.0 + 1e-9;
 /// Regions nearer to each other than this are one, m.
 const MERGE: f64 = 0.1;
 
@@ -41,8 +41,13 @@ impl Region {
 
 /// The overspeed regions of a chain of profiles, each with its start (m), in order; those nearer than 0.1 m to each other are one.
 pub fn regions(chain: &[(f64, Profile)], ceiling: &Ceiling) -> Vec<Region> {
-    let stretches = joined(&parts(chain, ceiling), 1e-9 * ceiling.length().max(1e-3));
-    joined(&stretches.into_iter().filter(|r| r.ratio > RATIO).collect::<Vec<_>>(), MERGE)
+    merged(&parts(chain, ceiling), ceiling, RATIO)
+}
+
+/// Regions from what lies above the ceiling; those whose largest ratio is at most `ratio` do not count.
+pub(super) fn merged(parts: &[Region], ceiling: &Ceiling, ratio: f64) -> Vec<Region> {
+    let stretches = joined(parts, 1e-9 * ceiling.length().max(1e-3));
+    joined(&stretches.into_iter().filter(|r| r.ratio > ratio).collect::<Vec<_>>(), MERGE)
 }
 
 /// Velocity extremes above the ceiling: places (m) where speed over ceiling has a local maximum above 1, and that maximum.
@@ -76,7 +81,7 @@ fn joined(parts: &[Region], gap: f64) -> Vec<Region> {
 }
 
 /// What lies above the ceiling, at most two parts a cell and phase, in order.
-fn parts(chain: &[(f64, Profile)], ceiling: &Ceiling) -> Vec<Region> {
+pub(super) fn parts(chain: &[(f64, Profile)], ceiling: &Ceiling) -> Vec<Region> {
     let mut scan = Scan { ceiling, step: ceiling.step(), last: ceiling.cells().len() - 1, found: Vec::new() };
     for (from, profile) in chain {
         let (v, a) = profile.start();

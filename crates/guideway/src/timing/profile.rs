@@ -6,6 +6,7 @@
 //! S-curve is checked against the ceiling over its whole course, not at samples.
 
 use super::ceiling::Ceiling;
+use super::correction::correct;
 use super::scurve::{Bounds, Profile, SCurve, transition};
 use crate::error::PlanError;
 
@@ -16,6 +17,8 @@ const STATIONS: usize = 150;
 /// Rounds of polishing, and the factor by which the grid shrinks in each.
 const ROUNDS: usize = 8;
 const SHRINK: f64 = 0.55;
+/// Most nodes of a corrected profile that are polished.
+const MOST_NODES: usize = 40;
 
 /// A place of zero acceleration: arc length (m), speed (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,16 +38,27 @@ pub fn fastest(ceiling: &Ceiling, bounds: &Bounds, ends: (f64, f64)) -> Result<V
     if ceiling.first_excess(0.0, &whole).is_none() {
         return Ok(vec![(0.0, whole)]);
     }
-    let mut chain = search.coarse(first, last).ok_or_else(|| PlanError::Infeasible {
-        reason: format!("start speed {} m/s or end speed {} m/s cannot be kept under the speed ceiling of the path", ends.0, ends.1),
-        best_end_speed: None,
-    })?;
-    let mut grid = (2.0 * search.spacing(bounds.speed), 0.1);
-    for _ in 0..ROUNDS {
-        chain = search.polish(&chain, grid);
-        grid = (grid.0 * SHRINK, grid.1 * SHRINK);
+    let found = search.coarse(first, last).map(|chain| search.settle(chain));
+    // Nodes corrected one by one: a bound on what the search may return, and now and then a better start for it.
+    let nodes = match correct(ceiling, bounds, ends) {
+        Ok(corrected) => corrected,
+        Err(error) => return found.ok_or(error),
+    };
+    let slower = |chain: &Chain| time(chain) > nodes.duration();
+    match found {
+        Some(chain) if !slower(&chain) => return Ok(chain),
+        _ if nodes.nodes.len() > MOST_NODES => return Ok(nodes.chain),
+        _ => {}
     }
-    Ok(chain.windows(2).filter_map(|w| search.edge(w[0], w[1]).map(|p| (w[0].s, p))).collect())
+    let polished = search.settle(nodes.nodes.iter().map(|&(s, v)| Node { s, v }).collect());
+    Ok(if slower(&polished) || polished.is_empty() { nodes.chain } else { polished })
+}
+
+/// S-curves, each with its start (m).
+type Chain = Vec<(f64, Profile)>;
+
+fn time(chain: &[(f64, Profile)]) -> f64 {
+    chain.iter().map(|(_, profile)| profile.duration()).sum()
 }
 
 struct Search<'a> {
@@ -53,6 +67,16 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// The S-curves between nodes that have been moved to where they serve best.
+    fn settle(&self, mut nodes: Vec<Node>) -> Chain {
+        let mut grid = (2.0 * self.spacing(self.bounds.speed), 0.1);
+        for _ in 0..ROUNDS {
+            nodes = self.polish(&nodes, grid);
+            grid = (grid.0 * SHRINK, grid.1 * SHRINK);
+        }
+        nodes.windows(2).filter_map(|w| self.edge(w[0], w[1]).map(|p| (w[0].s, p))).collect()
+    }
+
     fn curve(&self, from: Node, to: Node, speed: f64) -> SCurve {
         SCurve { distance: to.s - from.s, start: (from.v, 0.0), end: (to.v, 0.0), bounds: Bounds { speed, ..*self.bounds } }
     }

@@ -158,20 +158,17 @@ pub fn advance((s, v, a): (f64, f64, f64), j: f64, t: f64) -> (f64, f64, f64) {
     (s + t * (v + t * (0.5 * a + t * j / 6.0)), v + t * (a + 0.5 * t * j), a + t * j)
 }
 
-/// The highest speed (m/s) up to the limit to which (`forward`), or from which, a change of speed without acceleration at its ends fits into `distance` (m),
-/// if its slower end has speed `v` (m/s).
-pub fn reachable(v: f64, distance: f64, bounds: &Bounds, forward: bool) -> f64 {
-    let Bounds { speed, acceleration, deceleration, jerk } = *bounds;
-    let side = if forward {
-        Side::new(v, 0.0, acceleration, (jerk.build, jerk.release))
-    } else {
-        Side::new(v, 0.0, deceleration, (jerk.unbrake, jerk.brake))
-    };
-    if side.distance(speed) <= distance {
-        return speed.max(v);
+/// The highest speed (m/s) up to `wanted` to which (`forward`), or from which, a change of speed from the slower one `v` (m/s) fits into `distance` (m), without
+/// acceleration at its ends.
+pub(super) fn reachable(v: f64, wanted: f64, distance: f64, bounds: &Bounds, forward: bool) -> f64 {
+    let Bounds { acceleration, deceleration, jerk, .. } = *bounds;
+    let (limit, jerks) = if forward { (acceleration, (jerk.build, jerk.release)) } else { (deceleration, (jerk.unbrake, jerk.brake)) };
+    let side = Side::new(v, 0.0, limit, jerks);
+    if wanted <= v || side.distance(wanted) <= distance {
+        return wanted;
     }
-    let (mut low, mut high) = (v, speed);
-    for _ in 0..60 {
+    let (mut low, mut high) = (v, wanted);
+    for _ in 0..50 {
         let w = f64::midpoint(low, high);
         if side.distance(w) <= distance { low = w } else { high = w }
     }

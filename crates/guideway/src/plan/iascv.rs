@@ -1,0 +1,78 @@
+//! The shortest path with rounded corners and a corrected S-curve along it: the inner half of A-I-DE as a method of its own.
+//!
+//! Source: \[zhang2025\], whose method IASCV times a path that another method plans. | symbol | field |: `A`, `B`, `J`, `v_m` are the limits of the query.
+//! Departures: the source does not say where its path comes from. Here it is the exact shortest one, rounded by the checked B-spline; the speed is a seven-phase plan
+//! of each stretch between stops, corrected at nodes until the ceiling is kept ([`crate::timing::correct`]). There is no search. The start acceleration of the source
+//! (0.5 m/s2 at rest) is a step of acceleration and is not offered.
+
+use super::{Planner, Solution, search::Visibility};
+use crate::context::{Context, Stop};
+use crate::error::PlanError;
+use crate::query::Query;
+use crate::refine::{Refiner, Smooth};
+use crate::timing::{self, Loop, Method, SpeedTrace, TimingOptions, Trajectory, overspeed};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+/// Shortest path, rounded corners, corrected S-curves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Iascv {
+    /// How the speed is found: `Iascv`, or `TimeOptimal` on the same path. The loop is in the trace either way.
+    pub timing: Method,
+    /// Largest curvature, 1/m; met where there is room ([`Smooth`]).
+    pub max_curvature: Option<f64>,
+    /// Length that a bend may add, share of its legs.
+    pub stretch: f64,
+    /// Bends with a smaller radius stay corners, cells.
+    pub smallest: f64,
+}
+
+impl Default for Iascv {
+    fn default() -> Self {
+        let Smooth { max_curvature, stretch, smallest } = Smooth::default();
+        Self { timing: Method::Iascv, max_curvature, stretch, smallest }
+    }
+}
+
+impl Planner for Iascv {
+    fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+        let Self { timing, max_curvature, stretch, smallest } = *self;
+        if timing == Method::Trapezoid {
+            return Err(PlanError::bad(
+                "iascv.timing",
+                "trapezoid",
+                "iascv or time-optimal: a motion with steps of acceleration passes no certificate",
+            ));
+        }
+        let raw = Visibility::default().plan(query, ctx)?;
+        if raw.stop == Stop::Cancelled {
+            return Ok(raw);
+        }
+        let refined = Smooth { max_curvature, stretch, smallest }.refine(&raw.path, query, ctx)?;
+        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..TimingOptions::default() };
+        let (mut trajectory, loops) = timing::corrected(&refined.path, &query.limits, &options, ctx)?;
+        let by_nodes = trajectory.duration();
+        if timing == Method::TimeOptimal {
+            trajectory = timing::time(&refined.path, &query.limits, &options, ctx)?;
+        }
+        let (length, duration) = (refined.path.length(), trajectory.duration());
+        let mut trace = trace(&loops, length, &trajectory);
+        trace["unmet"] = json!(refined.unmet);
+        trace["durations"] = json!({"nodes": by_nodes, "result": duration});
+        Ok(Solution { path: refined.path, cells: None, cost: length, trajectory: Some(trajectory), seconds: ctx.seconds(), trace, ..raw })
+    }
+}
+
+/// The loop on speed and its curves, in the words that all continuous planners use.
+fn trace(loops: &[Loop], length: f64, trajectory: &Trajectory) -> Value {
+    let speed = SpeedTrace::of(loops);
+    let nodes: usize = loops.iter().map(|part| part.corrected.nodes.len()).sum();
+    let passes = loops.iter().map(|part| part.corrected.passes).max();
+    let (found, remaining) = (&speed.regions_before, &speed.regions_after);
+    json!({
+        "loop": [{"stage": 0, "value": trajectory.duration(), "found": found, "corrected": found.len() - remaining.len().min(found.len()), "nodes": nodes,
+                  "passes": passes, "overspeed": overspeed(found, length), "remaining": remaining, "fed_back": []}],
+        "speed": speed,
+    })
+}

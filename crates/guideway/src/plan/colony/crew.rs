@@ -4,6 +4,7 @@ use super::pheromone::Pheromone;
 use super::roads::Roads;
 use super::rule::Choices;
 use super::walk::{Legs, Trail};
+use super::workers::Workers;
 use crate::context::{Context, Stop, stream};
 use crate::plan::score::Aim;
 use rand_chacha::ChaCha8Rng;
@@ -28,7 +29,7 @@ pub(in crate::plan) struct Crew<'a, R> {
     /// That number without a leash.
     most: usize,
     legs: Mutex<Vec<Legs>>,
-    workers: Option<rayon::ThreadPool>,
+    workers: Option<Workers>,
 }
 
 /// One march of a generation.
@@ -42,10 +43,7 @@ pub(in crate::plan) struct March {
 impl<'a, R: Roads> Crew<'a, R> {
     /// Ants for a graph; `steps` is the largest number of steps of one ant.
     pub fn new(roads: &'a R, aim: Aim, cut: bool, steps: usize, ctx: &Context) -> Self {
-        let threads = ctx.threads();
-        // Without worker threads (the system refuses them) the work is done here.
-        let workers = (threads > 1).then(|| rayon::ThreadPoolBuilder::new().num_threads(threads - 1).build().ok()).flatten();
-        Self { roads, aim, cut, steps, most: steps, legs: Mutex::default(), workers }
+        Self { roads, aim, cut, steps, most: steps, legs: Mutex::default(), workers: Workers::new(ctx.threads() - 1) }
     }
 
     /// Sends the ants out; `walk` is what one of them does. Results are in the order of the ants, whatever the number of threads.
@@ -76,7 +74,7 @@ impl<'a, R: Roads> Crew<'a, R> {
 
     /// Threads besides this one.
     fn others(&self) -> usize {
-        self.workers.as_ref().map_or(0, rayon::ThreadPool::current_num_threads)
+        self.workers.as_ref().map_or(0, Workers::count)
     }
 
     /// Walks of some ants, in their order. This thread does not wait for the others to wake up: whoever is free takes the next ant.
@@ -88,7 +86,7 @@ impl<'a, R: Roads> Crew<'a, R> {
             return;
         };
         let (next, places) = (AtomicUsize::new(0), ants.clone().map(|_| OnceLock::new()).collect::<Vec<_>>());
-        let work = || {
+        workers.together(|| {
             let mut legs = self.borrow();
             loop {
                 let k = next.fetch_add(1, Ordering::Relaxed);
@@ -97,12 +95,6 @@ impl<'a, R: Roads> Crew<'a, R> {
                 let _ = place.set(one(ants.start + k, &mut legs));
             }
             self.give_back(legs);
-        };
-        workers.in_place_scope(|scope| {
-            for _ in 0..self.others() {
-                scope.spawn(|_| work());
-            }
-            work();
         });
         done.extend(places.into_iter().filter_map(OnceLock::into_inner));
     }

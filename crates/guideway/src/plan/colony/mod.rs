@@ -19,6 +19,7 @@ mod rule;
 mod seed;
 mod sparse;
 mod walk;
+mod workers;
 
 pub use aco::Aco;
 pub use bidirectional::BidirectionalAco;

@@ -16,9 +16,9 @@ const SPANS: f64 = 4.0;
 /// Sharper turns than this stay corners, rad.
 pub(super) const SHARPEST: f64 = 0.95 * PI;
 
-/// Knot spans for an arc of `sweep` rad.
-pub(super) fn spans(sweep: f64) -> f64 {
-    (sweep / SPAN).ceil().max(SPANS)
+/// Knot spans for an arc of `sweep` rad, `fine` times as many as usual.
+pub(super) fn spans(sweep: f64, fine: f64) -> f64 {
+    fine * (sweep / SPAN).ceil().max(SPANS)
 }
 
 /// How a corner is rounded.
@@ -46,6 +46,8 @@ pub(super) struct Pulley {
     pub turn: f64,
     /// The belt must not pass over it.
     pub held: bool,
+    /// Factor on its number of knot spans: with short ones the bend begins and ends near its arc.
+    pub fine: f64,
     /// Unit vector from the centre of the turn to its apex.
     outward: Point,
 }
@@ -53,7 +55,7 @@ pub(super) struct Pulley {
 impl Pulley {
     /// A point that the path starts from, ends at or goes through.
     pub fn point(at: Point, mode: Mode) -> Self {
-        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, outward: [0.0, 0.0] }
+        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, fine: 1.0, outward: [0.0, 0.0] }
     }
 
     /// Mean of its way points, m.
@@ -88,7 +90,7 @@ impl Pulley {
             Mode::Inside => r / (self.turn / 2.0).cos(),
             Mode::Outside => {
                 // The spline runs inside its guide by (span length)^2 / (6 r), and the chords inside the spline.
-                let span = sweep / spans(sweep);
+                let span = sweep / spans(sweep, self.fine);
                 let inner = r * (1.0 - 1e-7 - MARGIN * (1.0 - (sweep / 2.0).cos()) - span * span / 6.0);
                 let mut depth = f64::INFINITY;
                 for p in &self.contacts {
@@ -152,6 +154,8 @@ pub(super) struct Part {
     pub length: f64,
     /// Pulleys that the line is between; the pulley of the arc, twice.
     pub pulleys: [usize; 2],
+    /// Factor on the number of knot spans.
+    pub fine: f64,
 }
 
 impl Part {
@@ -180,9 +184,9 @@ pub(super) struct Guide {
 }
 
 impl Guide {
-    fn push(&mut self, form: Form, length: f64, pulleys: [usize; 2]) {
+    fn push(&mut self, form: Form, length: f64, pulleys: [usize; 2], fine: f64) {
         if length > 0.0 {
-            self.parts.push(Part { form, start: self.length, length, pulleys });
+            self.parts.push(Part { form, start: self.length, length, pulleys, fine });
             self.length += length;
         }
     }
@@ -203,7 +207,7 @@ impl Guide {
         for (k, leg) in legs.iter().enumerate() {
             let (s, c) = leg.heading.sin_cos();
             let (i, next) = (active[k], active[k + 1]);
-            guide.push(Form::Line { from: leg.from, along: [c, s] }, distance(leg.from, leg.to), [i, next]);
+            guide.push(Form::Line { from: leg.from, along: [c, s] }, distance(leg.from, leg.to), [i, next], 1.0);
             if k < last {
                 guide.join(&chain[next], next, wheels[k + 1].center, [leg.heading, legs[k + 1].heading])?;
             }
@@ -232,7 +236,8 @@ impl Guide {
             }
             self.through.push((self.length + apex * pulley.radius, pulley.at()));
         }
-        self.push(Form::Arc { center, radius: pulley.sign() * pulley.radius, heading: heading_in }, sweep.max(0.0) * pulley.radius, [index, index]);
+        let form = Form::Arc { center, radius: pulley.sign() * pulley.radius, heading: heading_in };
+        self.push(form, sweep.max(0.0) * pulley.radius, [index, index], pulley.fine);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use super::belt::{Form, Guide, Mode, Pulley, tangent};
 use super::chords::prove;
-use super::smooth::{Smooth, room};
+use super::smooth::{Smooth, peaks, room};
 use super::spline::spline;
 use crate::Point;
 use crate::error::PlanError;
@@ -16,6 +16,12 @@ const SHRINK: f64 = 0.6;
 const GROWTH: [f64; 3] = [2.0, 1.3, 1.1];
 /// Rounds of shrinking; the smallest bends are corners long before. What is still in the way then becomes a corner at once.
 const ROUNDS: usize = 80;
+
+/// Factors on the number of knot spans of a bend that has little room beside its arc.
+const FINE: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+
+/// Curvatures that differ by less than this factor count as equal: knots on a leg move a little with the bends at its ends.
+const SAME: f64 = 1.01;
 
 /// Most neighbours on either side that a trial looks at.
 const WINDOW: usize = 12;
@@ -163,11 +169,24 @@ impl<'a> Fit<'a> {
 
     /// Is the belt proved around pulley `i`?
     fn near(&self, i: usize) -> bool {
-        let [low, high] = self.stretch(i);
+        self.proved(self.stretch(i))
+    }
+
+    /// Is the belt proved from one pulley to another?
+    fn proved(&self, window: [usize; 2]) -> bool {
+        self.part(window).is_some_and(|path| path.beziers().iter().all(|piece| prove(piece, &self.query.world, self.radius).is_ok()))
+    }
+
+    /// The spline from one pulley to another; without those at the ends of the window, unless they are those of the chain.
+    fn part(&self, [low, high]: [usize; 2]) -> Option<Path> {
         let open = [low > 0, high + 1 < self.chain.len()];
-        let Ok(guide) = Guide::around(&self.chain[low..=high], open) else { return false };
-        let Ok(path) = spline(&guide) else { return false };
-        path.beziers().iter().all(|piece| prove(piece, &self.query.world, self.radius).is_ok())
+        Guide::around(&self.chain[low..=high], open).ok().and_then(|guide| spline(&guide).ok())
+    }
+
+    /// Largest curvature there that matters, 1/m: at least the limit.
+    fn tightest(&self, window: [usize; 2]) -> f64 {
+        let limit = self.smooth.max_curvature.unwrap_or(f64::INFINITY);
+        self.part(window).map_or(f64::INFINITY, |path| peaks(&path, limit).into_iter().map(|peak| peak.1).fold(limit, f64::max))
     }
 
     /// Length of the belt between two pulleys, m; not a number if there is none.
@@ -185,7 +204,28 @@ impl<'a> Fit<'a> {
             if self.chain[i].mode == Mode::Inside && self.chain[i].radius < 0.5 * self.chain[i].cap {
                 self.turn_out(i);
             }
+            self.reach(i);
         }
+    }
+
+    /// Keeps the limit on the curvature at a single corner where that can be proved: around the outside or cutting it, whichever has room, with knots as fine
+    /// as it takes.
+    fn reach(&mut self, i: usize) {
+        let kept = self.chain[i].clone();
+        if kept.contacts.len() > 1 || self.smooth.wanted(kept.turn, kept.fine).is_none_or(|r| kept.radius >= r) {
+            return;
+        }
+        let window = [i.saturating_sub(2), (i + 2).min(self.chain.len() - 1)];
+        let before = self.tightest(window);
+        for (fine, mode) in FINE.into_iter().flat_map(|fine| [(fine, kept.mode), (fine, Mode::Inside)]) {
+            let Some(radius) = self.smooth.wanted(kept.turn, fine).filter(|r| *r <= kept.cap) else { continue };
+            let pulley = &mut self.chain[i];
+            (pulley.mode, pulley.fine, pulley.radius) = (mode, fine, radius);
+            if (self.near(i) || self.proved(window)) && self.tightest(window) <= SAME * before {
+                return;
+            }
+        }
+        self.chain[i] = kept;
     }
 
     fn enlarge(&mut self, i: usize) {

@@ -44,7 +44,10 @@ impl Fit<'_> {
     /// The merged pulley with the largest radius that is proved, if that is worth it. The chain is as before afterwards.
     fn fits(&mut self, i: usize, last: usize, merged: Pulley) -> Option<Pulley> {
         let tightest = self.chain[i..=last].iter().map(|p| p.radius).fold(f64::INFINITY, f64::min);
-        let least = if last == i + 1 { GAIN } else { EVEN } * tightest.max(self.smallest);
+        let worth = if last == i + 1 { GAIN } else { EVEN } * tightest.max(self.smallest);
+        // A bend that keeps the limit on the curvature is not given away for one that does not.
+        let kept = |p: &Pulley| self.smooth.wanted(p.turn, p.fine).filter(|r| p.radius >= *r);
+        let least = self.chain[i..=last].iter().filter_map(kept).fold(worth, f64::max);
         let (low, high) = (i.saturating_sub(2), (last + 2).min(self.chain.len() - 1));
         let allowed = self.belt(low, high) * (1.0 + self.smooth.stretch);
         let kept: Vec<Pulley> = self.chain.splice(i..=last, [merged]).collect();

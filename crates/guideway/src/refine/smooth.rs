@@ -4,7 +4,7 @@
 //! and each piece of it is proved free by the hull property.
 
 use super::arcs::coarse;
-use super::belt::{Mode, Pulley, heading};
+use super::belt::{Mode, Pulley, heading, spans};
 use super::fit::Fit;
 use super::simplify::Simplify;
 use super::{Refined, Refiner};
@@ -33,6 +33,11 @@ pub struct Smooth {
     /// Bends with a smaller radius stay corners, cells. Turning in place is quicker than creeping around such a bend.
     pub smallest: f64,
 }
+
+/// Share of a leg that its bends may take where the limit on the curvature asks for it.
+const WHOLE: f64 = 0.999;
+/// Factor on the radius that the limit asks for.
+const SPARE: f64 = 1.002;
 
 /// Largest radius as a multiple of the legs: wider bends are straight for all purposes and reach too far.
 const WIDEST: f64 = 2.0;
@@ -95,6 +100,32 @@ impl Smooth {
         cheap.max(wanted).min(fits).min(WIDEST * (room[0] + room[1]))
     }
 
+    /// Radius (m) with which a bend by `turn` rad keeps the limit: an arc of few knot spans is a little tighter than its circle.
+    pub(super) fn wanted(&self, turn: f64, fine: f64) -> Option<f64> {
+        let span = turn.abs() / spans(turn.abs(), fine);
+        self.max_curvature.map(|k| SPARE * 2.0 / (k * (1.0 + span.cos())))
+    }
+
+    /// Length (m) of the leg from way point `i` to its neighbour `j` that belongs to the bend at `i`. Half of it, unless the limit asks for more than that at one
+    /// of its ends, and the leg is long enough for both.
+    fn room(&self, points: &[(Point, bool)], [i, j]: [usize; 2]) -> f64 {
+        let alone = j == 0 || j + 1 == points.len();
+        let length = distance(points[i].0, points[j].0);
+        let half = room(length, alone);
+        let Some(limit) = self.max_curvature else { return half };
+        let tangent = |k: usize| {
+            let [a, b, c] = [points[k - 1].0, points[k].0, points[k + 1].0];
+            (wrap(heading(b, c) - heading(a, b)).abs() / 2.0).tan() / limit
+        };
+        let (own, other) = (tangent(i), if alone { 0.0 } else { tangent(j) });
+        let rest = WHOLE * length - own - other;
+        match (own.max(other) > half, rest >= 0.0) {
+            (true, true) if alone => WHOLE * length,
+            (true, true) => own + rest / 2.0,
+            _ => half,
+        }
+    }
+
     /// One pulley per way point.
     fn chain(&self, points: &[(Point, bool)], query: &Query) -> Vec<Pulley> {
         let last = points.len() - 1;
@@ -108,7 +139,7 @@ impl Smooth {
                 pulley.cap = f64::INFINITY; // follows its neighbours
                 continue;
             }
-            pulley.cap = self.cap(pulley.turn, [room(distance(a, b), i == 1), room(distance(b, c), i + 1 == last)], true);
+            pulley.cap = self.cap(pulley.turn, [self.room(points, [i, i - 1]), self.room(points, [i, i + 1])], true);
             pulley.radius = pulley.cap;
             // A corner that can be cut is not taut.
             let step = (0.4 * distance(a, b).min(distance(b, c))).min(0.5 * query.world.resolution().max(query.radius()));
@@ -164,7 +195,7 @@ fn distinct(points: Vec<(Point, bool)>) -> Vec<(Point, bool)> {
 }
 
 /// Places (m) and values (1/m) of the curvature maxima above `limit`, one per stretch above it.
-fn peaks(path: &Path, limit: f64) -> Vec<(Point, f64)> {
+pub(super) fn peaks(path: &Path, limit: f64) -> Vec<(Point, f64)> {
     let mut peaks: Vec<(Point, f64)> = Vec::new();
     let mut above = false;
     for w in path.joints().windows(2) {

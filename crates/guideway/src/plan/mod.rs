@@ -122,7 +122,7 @@ pub struct Entry {
 }
 
 /// An [`Entry`] for a planner type: `entry!("name", Type, lattice, "source", "about", [("parameter", "about"), ...])`, with a last argument `paper` if the
-/// type has a field `preset` and `Type::paper()` gives the settings of its source.
+/// type has a field `preset` and `Type::paper()` gives the settings of its source. The parameters may also be a constant `&[Parameter]`.
 #[macro_export]
 macro_rules! entry {
     ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, $parameters:tt, paper) => {
@@ -130,6 +130,9 @@ macro_rules! entry {
             paper: Some(|| serde_json::to_value(<$type>::paper()).unwrap_or_default()),
             ..$crate::entry!($name, $type, $lattice, $source, $about, $parameters)
         }
+    };
+    ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, $parameters:path, paper) => {
+        $crate::plan::Entry { parameters: $parameters, ..$crate::entry!($name, $type, $lattice, $source, $about, [], paper) }
     };
     ($name:literal, $type:ty, $lattice:literal, $source:literal, $about:literal, [$(($p:literal, $a:literal)),* $(,)?]) => {
         $crate::plan::Entry {

@@ -39,13 +39,7 @@ pub const REGISTRY: &[Entry] = &[
         false,
         "kuffner2000",
         "Two random trees that grow towards each other: a first path, soon",
-        [
-            ("preset", "default | paper: our settings or those of the source"),
-            ("step", "longest edge, m; null: a tenth of the diagonal of the world"),
-            ("patience", "samples per leg after which it gives up"),
-            ("halvings", "how often a step that is not free is halved and tried again, 0 to 20"),
-            ("shortcuts", "shortcuts that are tried on the path; 0: it stays as it was found")
-        ],
+        sample::CONNECT,
         paper
     ),
     entry!(
@@ -54,16 +48,7 @@ pub const REGISTRY: &[Entry] = &[
         false,
         "karaman2011",
         "Random tree that tends to the shortest path as samples are added",
-        [
-            ("preset", "default | paper: our settings or those of the source"),
-            ("step", "longest edge, m; null: a tenth of the diagonal of the world"),
-            ("samples", "samples per leg, if the budget does not end it"),
-            ("patience", "samples per leg without a path after which it gives up"),
-            ("goal_bias", "share of samples at the goal until it is reached, 0 to 1"),
-            ("rewire", "radius of rewiring, times the least that is proved to lead to the optimum"),
-            ("halvings", "how often a step that is not free is halved and tried again, 0 to 20"),
-            ("shortcuts", "shortcuts that are tried on each better path; 0: paths are those of the tree")
-        ],
+        sample::STAR,
         paper
     ),
     entry!(
@@ -72,16 +57,7 @@ pub const REGISTRY: &[Entry] = &[
         false,
         "gammell2014, karaman2011",
         "RRT* that samples only where a shorter path may run",
-        [
-            ("preset", "default | paper: our settings or those of the source"),
-            ("step", "longest edge, m; null: a tenth of the diagonal of the world"),
-            ("samples", "samples per leg, if the budget does not end it"),
-            ("patience", "samples per leg without a path after which it gives up"),
-            ("goal_bias", "share of samples at the goal until it is reached, 0 to 1"),
-            ("rewire", "radius of rewiring, times the least that is proved to lead to the optimum"),
-            ("halvings", "how often a step that is not free is halved and tried again, 0 to 20"),
-            ("shortcuts", "shortcuts that are tried on each better path; 0: paths are those of the tree")
-        ],
+        sample::STAR,
         paper
     ),
     entry!(

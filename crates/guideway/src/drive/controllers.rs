@@ -3,6 +3,7 @@
 use super::{Controller, Dwa, Predictive, Robot, Tracker};
 use crate::error::PlanError;
 use crate::plan::Parameter;
+use crate::plan::refusal::refused;
 use crate::world::World;
 use serde_json::Value;
 use std::sync::Arc;
@@ -46,7 +47,8 @@ macro_rules! controller {
             parameters: &[$(Parameter { name: $p, about: $a }),*],
             defaults: || serde_json::to_value(<$type>::default()).unwrap_or_default(),
             build: |value, setup| {
-                let parameters: $type = serde_json::from_value(value).map_err(|e| PlanError::bad($name, "its parameters", e.to_string()))?;
+                let read = |value| serde_json::from_value::<$type>(value);
+                let parameters = read(value.clone()).map_err(|e| refused($name, &value, |value| read(value).map(drop), &e))?;
                 parameters.build(setup)
             },
         }

@@ -5,6 +5,7 @@ pub mod front;
 pub mod homotopy;
 mod iascv;
 mod legs;
+pub(crate) mod refusal;
 mod registry;
 pub mod sample;
 pub mod score;
@@ -164,7 +165,7 @@ pub enum Preset {
 /// [`PlanError::BadParameter`] for an unknown planner or parameter, naming the valid ones.
 pub fn planner(name: &str, parameters: Value) -> Result<Box<dyn Planner>, PlanError> {
     let (entry, parameters) = resolve(name, parameters)?;
-    (entry.build)(parameters).map_err(|e| PlanError::bad(name, "its parameters", e.to_string()))
+    (entry.build)(parameters.clone()).map_err(|e| refusal::refused(name, &parameters, |value| (entry.build)(value).map(drop), &e))
 }
 
 /// Every parameter of a planner by name: those given, the others as the preset has them.

@@ -13,6 +13,10 @@ const CELL: f64 = 0.01;
 const CELLS: (f64, f64) = (64.0, 40_000.0);
 /// Samples of the curvature in a cell.
 const SAMPLES: usize = 4;
+/// Polynomial pieces up to this length, cells, are sampled by themselves: a tight bend is made of them.
+const SHORT: f64 = 4.0;
+/// Spans of such a piece.
+const INNER: usize = 16;
 /// Share by which the ceiling is lowered for rounding.
 const MARGIN: f64 = 1e-7;
 /// Share that rounding may add to a speed at the ceiling; far below the margin.
@@ -60,18 +64,11 @@ impl Ceiling {
             let at = |k: usize| curvature[k.min(curvature.len() - 1)];
             (at(i + 1) - 2.0 * at(i) + at(i.saturating_sub(1))).abs()
         };
-        // Where polynomial pieces meet the curvature has a kink, and often a peak: it is looked up there, on both sides.
-        let mut kinks = vec![0.0f64; count];
-        for joint in path.joints().into_iter().map(|s| s - from).filter(|s| *s > 0.0 && *s < length) {
-            for s in [joint - 1e-9 * length, joint + 1e-9 * length] {
-                let cell = ((s / length * count as f64) as usize).min(count - 1);
-                kinks[cell] = kinks[cell].max(path.planar(from + s).curvature.abs());
-            }
-        }
+        let sharpest = sharpest(path, (from, to), count);
         let cells = (0..count).map(|cell| {
             let range = cell * SAMPLES..=(cell + 1) * SAMPLES;
             // Between samples a smooth curve rises above both by at most an eighth of its second difference.
-            let highest = range.clone().map(|i| curvature[i]).fold(kinks[cell], f64::max) + 0.25 * range.clone().map(bend).fold(0.0, f64::max);
+            let highest = range.clone().map(|i| curvature[i]).fold(sharpest[cell], f64::max) + 0.25 * range.clone().map(bend).fold(0.0, f64::max);
             let by_clearance = extra.map_or(f64::INFINITY, |f| range.map(|i| f(inside(i))).fold(f64::INFINITY, f64::min));
             limit(highest, limits).min(by_clearance) * (1.0 - MARGIN)
         });
@@ -159,6 +156,32 @@ impl Ceiling {
     }
 }
 
+/// Largest curvature, 1/m, in each of `count` cells of a stretch, as far as the places where polynomial pieces meet and short pieces tell: there the curvature
+/// has kinks, and peaks that even samples miss.
+fn sharpest(path: &Path, (from, to): (f64, f64), count: usize) -> Vec<f64> {
+    let (length, mut cells) = (to - from, vec![0.0f64; count]);
+    let (step, tiny) = (length / count as f64, 1e-9 * length);
+    let cell = |s: f64| (((s - from) / step).max(0.0) as usize).min(count - 1);
+    let curvature = |s: f64| path.planar(s.clamp(from + tiny, to - tiny)).curvature.abs();
+    let mut raise = |from: f64, to: f64, k: f64| cells[cell(from)..=cell(to)].iter_mut().for_each(|c| *c = c.max(k));
+    for w in path.joints().windows(2).filter(|w| w[1] > from && w[0] < to) {
+        for s in w {
+            raise(s - tiny, s + tiny, curvature(*s));
+        }
+        if w[1] - w[0] > SHORT * step {
+            continue;
+        }
+        let place = |k: usize| w[0] + (w[1] - w[0]) * k as f64 / INNER as f64;
+        let values: Vec<f64> = (0..=INNER).map(|k| curvature(place(k))).collect();
+        let bend = |k: usize| (values[k - 1] - 2.0 * values[k] + values[k + 1]).abs();
+        for k in 0..INNER {
+            let bend = bend(k.max(1)).max(bend((k + 1).min(INNER - 1)));
+            raise(place(k), place(k + 1), values[k].max(values[k + 1]) + 0.25 * bend);
+        }
+    }
+    cells
+}
+
 /// Highest speed that curvature `k` (1/m) allows, m/s.
 fn limit(k: f64, limits: &Limits) -> f64 {
     let turn = limits.turn_rate.map_or(f64::INFINITY, |w| w / k);
@@ -171,4 +194,30 @@ pub fn ceiling(path: &Path, limits: &Limits) -> Vec<(f64, f64)> {
     let ceiling = Ceiling::of_path(path, (0.0, path.length()), limits, None);
     let step = ceiling.step();
     ceiling.cells().iter().enumerate().map(|(i, v)| (step * (i as f64 + 0.5), *v)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bends far tighter than a cell: the curvature between the even samples counts too.
+    #[test]
+    fn the_ceiling_holds_at_every_place_of_tight_bends() {
+        for (k, size) in [0.003, 0.01, 0.03, 0.1].into_iter().enumerate() {
+            let corner = 5.0 + 0.0037 * k as f64;
+            // Two legs, and knots `size` apart around the corner between them.
+            let inner = (-3..=3).map(|k| corner + size * f64::from(k));
+            let knots: Vec<f64> = [0.0; 4].into_iter().chain(inner).chain([10.0; 4]).collect();
+            let control = knots.windows(3).skip(1).take(knots.len() - 4).map(|w| w.iter().sum::<f64>() / 3.0);
+            let control: Vec<f64> = control.flat_map(|s| if s < corner { [s, 0.0] } else { [corner, s - corner] }).collect();
+            let path = Path::new(3, 2, knots, control).unwrap();
+            let limits = Limits { lateral_acceleration: Some(0.3), ..Limits::default() };
+            let ceiling = Ceiling::of_path(&path, (0.0, path.length()), &limits, None);
+            for i in 0..=200_000 {
+                let s = path.length() * f64::from(i) / 200_000.0;
+                let (v, bend) = (ceiling.at(s), path.planar(s).curvature.abs());
+                assert!(v * v * bend <= 0.3, "{} m/s2 at {s} m of {}, size {size}", v * v * bend, path.length());
+            }
+        }
+    }
 }

@@ -155,6 +155,29 @@ impl<'a> Context<'a> {
         None
     }
 
+    /// Runs a part of a method that may take no more than that many of the iterations and evaluations that are left.
+    pub fn portion<T>(&mut self, iterations: Option<u64>, evaluations: Option<u64>, part: impl FnOnce(&mut Self) -> T) -> T {
+        let whole = self.budget;
+        let end = |done: u64, more: Option<u64>, most: Option<u64>| match (more, most) {
+            (Some(n), Some(most)) => Some(done.saturating_add(n).min(most)),
+            (Some(n), None) => Some(done.saturating_add(n)),
+            (None, most) => most,
+        };
+        self.budget.iterations = end(self.iterations, iterations, whole.iterations);
+        self.budget.evaluations = end(self.evaluations, evaluations, whole.evaluations);
+        let result = part(self);
+        self.budget = whole;
+        result
+    }
+
+    /// Is a budget spent, or has the caller cancelled? Unlike [`Context::poll`] also by counts.
+    pub fn spent(&mut self) -> Option<Stop> {
+        if self.budget.iterations.is_some_and(|n| self.iterations >= n) || self.budget.evaluations.is_some_and(|n| self.evaluations >= n) {
+            return Some(Stop::Budget);
+        }
+        self.poll()
+    }
+
     /// Counts `n` candidates as costed.
     pub fn count_evaluations(&mut self, n: u64) {
         self.evaluations += n;

@@ -479,4 +479,33 @@ pub const REGISTRY: &[Entry] = &[
             ("smallest", "bends with a smaller radius stay corners, cells"),
         ]
     ),
+    entry!(
+        "aide",
+        swarm::Aide,
+        false,
+        "zhang2025, bhattacharya2012",
+        "Optimizer and speed profile in a closed loop over splines, with a candidate in every homotopy class",
+        [
+            ("preset", "default | paper: our settings or those of the source"),
+            ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
+            ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
+            ("objective", "form of the objective: repaired | literal"),
+            ("weights", "weights of length, time, turning and clearance"),
+            ("length_ref", "L_max, m; null: half of the perimeter of the world"),
+            ("time_ref", "T_max, s; null: 1.5 L_max at the speed limit"),
+            ("turn_ref", "Theta_ref, rad/s"),
+            ("safe", "d_safe of the clearance term, m; null: what is kept free around the reference point"),
+            ("hints", "candidates along exact routes are in the first population"),
+            ("engine", "the optimizer: improved-de | de | l-shade | cma-es | firefly"),
+            ("population", "individuals NP; 0: as many as the engine likes"),
+            ("generations", "generations g_max of all stages together"),
+            ("stages", "stages K_loop, 1 to 1000"),
+            ("classes", "homotopy classes that get a candidate, at most 64; 0: none"),
+            ("polish", "quasi-Newton steps at a time, at most 10000; 0: none"),
+            ("feedback", "what was too fast narrows the next stage's search"),
+            ("profile", "speed along the result: time-optimal | iascv | trapezoid"),
+            ("bound", "a lower bound of the objective is computed"),
+        ],
+        paper
+    ),
 ];

@@ -37,19 +37,57 @@ pub struct Class {
 /// # Errors
 /// Those of [`Query::validate`], [`PlanError::NoPath`] (proved, or because the budget of time is spent), [`PlanError::Cancelled`].
 pub fn classes(query: &Query, k: usize, ctx: &mut Context) -> Result<Vec<Class>, PlanError> {
+    Ok(atlas(query, k, ctx)?.classes)
+}
+
+/// The classes of a query, and what tells the class of any other path.
+pub(in crate::plan) struct Atlas {
+    pub classes: Vec<Class>,
+    via: Vec<Point>,
+    legs: Vec<Rays>,
+}
+
+impl Atlas {
+    /// The signature of a polyline from start to goal that has the via points among its points.
+    pub fn signature(&self, points: &[Point]) -> String {
+        let mut from = 0;
+        let mut words = Vec::new();
+        for (i, rays) in self.legs.iter().enumerate() {
+            let near = |p: &Point| self.via.get(i).map_or(0.0, |via| distance(*p, *via));
+            let to = if i < self.via.len() {
+                (from..points.len()).min_by(|&a, &b| near(&points[a]).total_cmp(&near(&points[b]))).unwrap_or(from)
+            } else {
+                points.len().saturating_sub(1)
+            };
+            words.push(text(&rays.word(points.get(from..=to).unwrap_or_default())));
+            from = to;
+        }
+        words.join(" | ")
+    }
+}
+
+/// As [`classes`], and what tells the class of other paths.
+pub(in crate::plan) fn atlas(query: &Query, k: usize, ctx: &mut Context) -> Result<Atlas, PlanError> {
     query.validate()?;
     let points = rays::inside(&query.world);
     let mut exact = ExactLeg::new(query);
-    let mut whole: Vec<Class> = Vec::new();
+    let mut atlas = Atlas { classes: Vec::new(), via: query.via.clone(), legs: Vec::new() };
     for ends in query.stops().windows(2) {
-        let leg = of_leg(query, (&mut exact, &points), [ends[0], ends[1]], k.max(1), ctx)?;
-        whole = if whole.is_empty() { leg } else { joined(&whole, &leg, k.max(1)) };
+        let (rays, leg) = of_leg(query, (&mut exact, &points), [ends[0], ends[1]], k.max(1), ctx)?;
+        atlas.classes = if atlas.legs.is_empty() { leg } else { joined(&atlas.classes, &leg, k.max(1)) };
+        atlas.legs.push(rays);
     }
-    Ok(whole)
+    Ok(atlas)
 }
 
-/// The classes of one leg.
-fn of_leg(query: &Query, (exact, points): (&mut ExactLeg, &[Point]), ends: [Point; 2], k: usize, ctx: &mut Context) -> Result<Vec<Class>, PlanError> {
+/// The classes of one leg and its rays.
+fn of_leg(
+    query: &Query,
+    (exact, points): (&mut ExactLeg, &[Point]),
+    ends: [Point; 2],
+    k: usize,
+    ctx: &mut Context,
+) -> Result<(Rays, Vec<Class>), PlanError> {
     let shortest = match exact.solve(ends, ctx) {
         Route::Path { points, length } => (points, length),
         Route::Nothing => return Err(PlanError::NoPath(Box::new(explain(query, ctx)))),
@@ -63,7 +101,7 @@ fn of_leg(query: &Query, (exact, points): (&mut ExactLeg, &[Point]), ends: [Poin
     if k > 1 && shortest.1 > 0.0 {
         further(query, (&rays, ends), k, &mut found, ctx);
     }
-    Ok(found.into_iter().map(named).collect())
+    Ok((rays, found.into_iter().map(named).collect()))
 }
 
 /// Adds further classes to the shortest one.
@@ -90,8 +128,11 @@ fn further(query: &Query, (rays, ends): (&Rays, [Point; 2]), k: usize, found: &m
 }
 
 fn named(taut: Taut) -> Class {
-    let letters: Vec<String> = taut.word.iter().map(i32::to_string).collect();
-    Class { points: taut.points, length: taut.length, signature: letters.join(" ") }
+    Class { points: taut.points, length: taut.length, signature: text(&taut.word) }
+}
+
+fn text(word: &[i32]) -> String {
+    word.iter().map(i32::to_string).collect::<Vec<_>>().join(" ")
 }
 
 /// The `k` shortest continuations of the classes so far by those of the next leg.

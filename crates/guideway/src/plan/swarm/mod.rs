@@ -1,5 +1,6 @@
 //! Swarms on the lattice: encodings that turn any optimizer into a planner, and a genetic algorithm on paths.
 
+mod aide;
 mod decoding;
 mod ga;
 mod guided_walk;
@@ -8,6 +9,7 @@ mod run;
 mod spline;
 mod way_points;
 
+pub use aide::{Aide, Engine};
 pub use decoding::{Decoding, Encoding};
 pub use ga::Ga;
 pub(super) use run::{Found, search};

@@ -20,5 +20,7 @@ mod watch;
 pub use curves::{Curves, Judged};
 pub use methods::{CmaEs, De, Firefly, ImprovedDe, LShade};
 pub use planner::Spline;
-pub(super) use planner::plan;
+pub(super) use planner::{follow, nothing, objective, plan, thinned};
+pub(super) use route::{layout, legs, lines, seed};
 pub use settings::{Form, Settings};
+pub(super) use watch::{Watch, points};

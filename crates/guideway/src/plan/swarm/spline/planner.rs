@@ -76,7 +76,7 @@ pub(in crate::plan) fn plan(query: &Query, settings: &Settings, optimizer: &dyn 
 }
 
 /// Nothing was found, though there is a path.
-fn nothing(query: &Query, stop: Stop, evaluations: u64) -> PlanError {
+pub(in crate::plan::swarm) fn nothing(query: &Query, stop: Stop, evaluations: u64) -> PlanError {
     if stop == Stop::Cancelled {
         return PlanError::Cancelled;
     }
@@ -106,7 +106,7 @@ fn found(curves: &Curves, minimum: &Minimum, population: &Value, ctx: &mut Conte
 }
 
 /// At most [`LISTED`] of the pairs, the first and the last among them.
-fn thinned(history: &[(u64, f64)]) -> Vec<(u64, f64)> {
+pub(in crate::plan::swarm) fn thinned(history: &[(u64, f64)]) -> Vec<(u64, f64)> {
     let step = history.len().div_ceil(LISTED - 1).max(1);
     let mut out: Vec<(u64, f64)> = history.iter().copied().step_by(step).collect();
     if let Some(last) = history.last().filter(|last| out.last() != Some(last)) {
@@ -115,7 +115,7 @@ fn thinned(history: &[(u64, f64)]) -> Vec<(u64, f64)> {
     out
 }
 
-fn objective(judged: &Judged, settings: &Settings) -> Value {
+pub(in crate::plan::swarm) fn objective(judged: &Judged, settings: &Settings) -> Value {
     json!({
         "value": judged.value,
         "length": judged.length,
@@ -129,7 +129,7 @@ fn objective(judged: &Judged, settings: &Settings) -> Value {
 }
 
 /// The exact route as a path, smoothed where there is room.
-fn follow(query: &Query, settings: &Settings, exact: &Solution, ctx: &mut Context) -> Result<Solution, PlanError> {
+pub(in crate::plan::swarm) fn follow(query: &Query, settings: &Settings, exact: &Solution, ctx: &mut Context) -> Result<Solution, PlanError> {
     let smooth = Smooth::default().refine(&exact.path, query, ctx).map(|r| r.path);
     let timed = smooth.and_then(|path| motion(query, &path, ctx).map(|motion| (path, motion)));
     let (path, trajectory) = match timed {

@@ -29,13 +29,13 @@ const GROWTH: f64 = 1.5;
 const COPIES: (u64, f64) = (6, 0.1);
 
 /// Curves with their hints, and whether one of these is free.
-pub(super) struct Layout {
+pub(in crate::plan::swarm) struct Layout {
     pub curves: Curves,
     pub free: bool,
 }
 
 /// The exact route and wider ones, smoothed and as they are; the exact one last.
-pub(super) fn lines(query: &Query, exact: &Solution, ctx: &mut Context) -> Vec<Vec<Point>> {
+pub(in crate::plan::swarm) fn lines(query: &Query, exact: &Solution, ctx: &mut Context) -> Vec<Vec<Point>> {
     let unit = query.radius().max(query.world.resolution());
     let mut lines = Vec::new();
     for share in WIDER {
@@ -56,7 +56,7 @@ pub(super) fn lines(query: &Query, exact: &Solution, ctx: &mut Context) -> Vec<V
 }
 
 /// Curves with the number of control points that is asked for, or, if it is left open, the least of some numbers with which a candidate along a line is free.
-pub(super) fn layout(query: &Query, settings: &Settings, lines: &[Vec<Point>], ctx: &mut Context) -> Result<Layout, PlanError> {
+pub(in crate::plan::swarm) fn layout(query: &Query, settings: &Settings, lines: &[Vec<Point>], ctx: &mut Context) -> Result<Layout, PlanError> {
     let Some(exact) = lines.last() else {
         return Ok(Layout { curves: Curves::new(query, settings)?, free: false });
     };
@@ -93,7 +93,7 @@ pub(super) fn layout(query: &Query, settings: &Settings, lines: &[Vec<Point>], c
 }
 
 /// Sets hints and, for many control points, a box around the best.
-fn seed(curves: &mut Curves, settings: &Settings, mut fits: Vec<Vec<f64>>, seed: u64) -> Result<(), PlanError> {
+pub(in crate::plan::swarm) fn seed(curves: &mut Curves, settings: &Settings, mut fits: Vec<Vec<f64>>, seed: u64) -> Result<(), PlanError> {
     if !settings.hints {
         return Ok(());
     }
@@ -123,7 +123,7 @@ fn seed(curves: &mut Curves, settings: &Settings, mut fits: Vec<Vec<f64>>, seed:
 }
 
 /// Length (m) and quarter turns of each leg of a line.
-fn legs(query: &Query, line: &[Point]) -> Vec<(f64, usize)> {
+pub(in crate::plan::swarm) fn legs(query: &Query, line: &[Point]) -> Vec<(f64, usize)> {
     let mut legs = Vec::new();
     let mut from = 0;
     for (i, stop) in query.stops().iter().enumerate().skip(1) {

@@ -67,7 +67,7 @@ impl Settings {
         Self { points: 5, scales: true, hints: false, ..Self::default() }
     }
 
-    pub(super) fn check(&self) -> Result<(), PlanError> {
+    pub(in crate::plan::swarm) fn check(&self) -> Result<(), PlanError> {
         if !(self.points == 0 || (3..=1000).contains(&self.points)) {
             return Err(PlanError::bad("points", self.points, "3 to 1000 control points of a leg, or 0: as many as the route needs"));
         }
@@ -96,6 +96,11 @@ impl Settings {
             Form::Literal => (judged.turning, 1.0 / near.max(LEAST)),
         };
         w1 * judged.length / to.length + w2 * judged.time / to.time + w3 * turning + w4 * clearance + OVERSPEED * judged.overspeed // (4)
+    }
+
+    /// The objective of terms that are known.
+    pub(in crate::plan::swarm) fn worth(&self, judged: &Judged, query: &Query) -> f64 {
+        self.value(judged, self.scale(query))
     }
 
     pub(super) fn scale(&self, query: &Query) -> References {

@@ -14,7 +14,7 @@ const SHOWN: [usize; 3] = [8, 40, 100];
 ///
 /// Optimizers ask for what is shown of the best cost once at the end of each iteration, in the thread that runs the loop: that is how generations are
 /// told apart. The first one holds the first population as well.
-pub(super) struct Watch<'a> {
+pub(in crate::plan::swarm) struct Watch<'a> {
     curves: &'a Curves,
     seen: Mutex<Seen>,
 }
@@ -52,7 +52,7 @@ impl<'a> Watch<'a> {
 }
 
 /// Some points of a candidate's curve, m.
-pub(super) fn points(curves: &Curves, x: &[f64]) -> Vec<Point> {
+pub(in crate::plan::swarm) fn points(curves: &Curves, x: &[f64]) -> Vec<Point> {
     curves.chain(x, SHOWN[2])
 }
 

@@ -1,0 +1,90 @@
+//! One candidate for each homotopy class, brought downhill before the search begins.
+
+use super::polish::{Candidate, polish};
+use super::{Aide, bound};
+use crate::Point;
+use crate::context::{Context, Stop};
+use crate::error::PlanError;
+use crate::optimize::Objective;
+use crate::plan::Solution;
+use crate::plan::homotopy::Atlas;
+use crate::plan::swarm::Curves;
+use crate::plan::swarm::spline::{layout, legs, lines, seed};
+use crate::query::Query;
+
+/// Steps that bring a first candidate into free space, as a multiple of those of the polish.
+const REPAIR: u64 = 2;
+/// Control points of a leg besides one for each quarter turn.
+const LEAST: usize = 4;
+/// Numbers of control points are tried in turn, as multiples of the first.
+const GROWTH: [f64; 3] = [1.0, 1.5, 2.25];
+
+/// A class and its candidate.
+pub(super) struct Seat {
+    pub class: usize,
+    pub curves: Curves,
+    pub best: Candidate,
+}
+
+/// What the search begins with.
+pub(super) struct Seats {
+    /// Best first.
+    pub seats: Vec<Seat>,
+    pub stop: Option<Stop>,
+}
+
+/// Places a candidate in every class that can still win, and polishes it; with more control points where none is free.
+pub(super) fn place(aide: &Aide, query: &Query, (atlas, exact): (&Atlas, &Solution), ctx: &mut Context) -> Result<Seats, PlanError> {
+    let mut all = Seats { seats: Vec::new(), stop: None };
+    let open = query.stops().into_iter().map(|p| query.world.clearance(p)).fold(f64::INFINITY, f64::min);
+    for growth in GROWTH {
+        for (i, class) in atlas.classes.iter().enumerate() {
+            all.stop = all.stop.or_else(|| ctx.spent());
+            // The shortest path of the class in the least time, as far away as its ends are: no curve of the class is better.
+            if all.stop.is_none() && bound::at_least(query, &aide.settings, class.length * (1.0 - 1e-9), open) < all.value() {
+                all.take(aide, i, along(aide, query, (&class.points, growth), ctx.seed())?, ctx)?;
+            }
+        }
+        if all.value().is_finite() || all.stop.is_some() || aide.settings.points > 0 {
+            break;
+        }
+    }
+    if !all.value().is_finite() && all.stop.is_none() {
+        // Wider routes, smoothed, and still more control points.
+        let ways = lines(query, exact, ctx);
+        let wide = layout(query, &aide.settings, &ways, ctx)?;
+        all.take(aide, 0, wide.curves, ctx)?;
+    }
+    all.seats.sort_by(|a, b| a.best.cost.order(b.best.cost).then(a.class.cmp(&b.class)));
+    Ok(all)
+}
+
+/// Curves for a line, with a candidate along it.
+fn along(aide: &Aide, query: &Query, (line, growth): (&[Point], f64), number: u64) -> Result<Curves, PlanError> {
+    let points = |bends: usize| if aide.settings.points > 0 { aide.settings.points } else { (growth * (LEAST + bends) as f64).ceil() as usize };
+    let counts: Vec<(usize, f64)> = legs(query, line).into_iter().map(|(length, bends)| (points(bends).min(1000), length)).collect();
+    let mut curves = Curves::along(query, &aide.settings, &counts)?;
+    let x = curves.fit(line);
+    seed(&mut curves, &aide.settings, vec![x], number)?;
+    Ok(curves)
+}
+
+impl Seats {
+    /// The best value so far; infinite if no candidate is free.
+    fn value(&self) -> f64 {
+        self.seats.iter().filter(|s| s.best.cost.feasible()).map(|s| s.best.cost.value).fold(f64::INFINITY, f64::min)
+    }
+
+    fn take(&mut self, aide: &Aide, class: usize, curves: Curves, ctx: &mut Context) -> Result<(), PlanError> {
+        let Some(x) = curves.hints().first().cloned() else { return Ok(()) };
+        let from = Candidate { cost: curves.judge(&x).cost(), x };
+        ctx.count_evaluations(1);
+        let (mut best, mut stop) = polish(&curves, from, aide.polish, ctx)?;
+        if !best.cost.feasible() && stop.is_none() {
+            (best, stop) = polish(&curves, best, REPAIR * aide.polish, ctx)?;
+        }
+        self.stop = self.stop.or(stop);
+        self.seats.push(Seat { class, curves, best });
+        Ok(())
+    }
+}

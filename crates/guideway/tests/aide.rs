@@ -110,7 +110,7 @@ fn the_loop_ends_without_overspeed_in_rooms() {
     }
     values.sort_by(f64::total_cmp);
     let median = values[values.len() / 2];
-    assert!(median >= BEST * (1.0 - 1e-3) && median <= BEST * 1.01, "{values:?}");
+    assert!((BEST * (1.0 - 1e-3)..=BEST * 1.01).contains(&median), "{values:?}");
 }
 
 #[test]

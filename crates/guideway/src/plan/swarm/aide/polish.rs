@@ -150,7 +150,9 @@ impl Model {
         let mut way: Vec<f64> = (0..self.n).map(|i| if held(i) { 0.0 } else { row(i) }).collect();
         if self.fresh {
             let size = way.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-300);
-            way.iter_mut().for_each(|v| *v *= self.first / size);
+            for v in &mut way {
+                *v *= self.first / size;
+            }
         }
         way
     }
@@ -167,7 +169,9 @@ impl Model {
         }
         if self.fresh {
             self.reset();
-            self.inverse.iter_mut().for_each(|v| *v *= sy / yy);
+            for v in &mut self.inverse {
+                *v *= sy / yy;
+            }
             self.fresh = false;
         }
         let hy: Vec<f64> = (0..n).map(|i| dot(&self.inverse[i * n..(i + 1) * n], &y)).collect();

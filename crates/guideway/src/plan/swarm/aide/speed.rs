@@ -22,17 +22,12 @@ pub(super) struct Speed {
 pub(super) fn look(curves: &Curves, x: &[f64]) -> Result<Speed, PlanError> {
     let (path, limits) = (curves.path(x)?, curves.limits(x));
     let ceiling = Ceiling::of_path(&path, (0.0, path.length()), &limits, None);
-    match correct(&ceiling, &Bounds::from(&limits), (0.0, 0.0)) {
-        Ok(corrected) => {
-            let Corrected { nodes, passes, before, after, .. } = corrected;
-            Ok(Speed { found: before, remaining: after, nodes: nodes.len(), passes })
-        }
-        // A cusp of the curve: no node helps.
-        Err(_) => {
-            let found = regions(&[(0.0, first_pass(path.length(), &limits)?)], &ceiling);
-            Ok(Speed { remaining: found.clone(), found, nodes: 0, passes: 0 })
-        }
+    if let Ok(Corrected { nodes, passes, before, after, .. }) = correct(&ceiling, &Bounds::from(&limits), (0.0, 0.0)) {
+        return Ok(Speed { found: before, remaining: after, nodes: nodes.len(), passes });
     }
+    // A cusp of the curve: no node helps.
+    let found = regions(&[(0.0, first_pass(path.length(), &limits)?)], &ceiling);
+    Ok(Speed { remaining: found.clone(), found, nodes: 0, passes: 0 })
 }
 
 /// The motion of a candidate along its path, and its speed before and after for pictures.

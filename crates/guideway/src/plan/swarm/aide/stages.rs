@@ -86,7 +86,12 @@ impl State<'_> {
             self.take(minimum);
             let spent = ctx.spent();
             outcome.stop = spent.unwrap_or(Stop::Converged);
-            let Some(best) = self.best.as_ref().filter(|b| b.cost.value.is_finite()) else { if spent.is_some() { break } else { continue } };
+            let Some(best) = self.best.as_ref().filter(|b| b.cost.value.is_finite()) else {
+                if spent.is_some() {
+                    break;
+                }
+                continue;
+            };
             let speed = look(&outcome.curves, &best.x)?;
             let settled = best.cost.feasible() && before - best.cost.value <= SETTLED * best.cost.value.abs();
             let done = spent.is_some() || turn + 1 == self.aide.stages || settled && speed.remaining.is_empty() && self.aide.polish > 0;

@@ -228,6 +228,7 @@ def summary(record: dict[str, Any]) -> str:
     if reference["any_angle_gap"] is not None:
         lines.append(f"reference    {100 * reference['any_angle_gap']:.2f} % longer than the exact optimum of {reference['any_angle_optimum']:.3f} m")
     lines.extend(alternatives.gap_line(record))
+    lines.extend(_objective(record.get("trace") or {}))
     curvature = "corners" if metrics["max_curvature"] is None else f"curvature up to {metrics['max_curvature']:.2f} 1/m"
     clearance = "no obstacle near" if metrics["min_clearance"] is None else f"{round(metrics['min_clearance'], 3) + 0.0:.3f} m clear"
     lines.append(f"path         {metrics['length']:.3f} m, {metrics['turns']} turns, {curvature}, {clearance}")
@@ -239,6 +240,15 @@ def summary(record: dict[str, Any]) -> str:
     lines.extend(f"not met      {text}" for text in record["unmet"])
     lines.extend(products.table(record["products"]) if "products" in record else [])
     return "\n".join(lines)
+
+
+def _objective(trace: dict[str, Any]) -> list[str]:
+    """The objective of a continuous planner, and how far above a proved lower bound it is."""
+    objective, bound = trace.get("objective"), trace.get("bound") or {}
+    if not isinstance(objective, dict):
+        return []
+    known = f", {100 * bound['gap']:.2f} % above a lower bound of {bound['lower']:.4f}" if bound.get("gap") is not None else ""
+    return [f"objective    {objective['value']:.4f}{known}"]
 
 
 def _list(name: str, as_json: bool) -> int:

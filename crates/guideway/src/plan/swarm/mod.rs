@@ -9,7 +9,7 @@ mod run;
 mod spline;
 mod way_points;
 
-pub use aide::{Aide, Engine};
+pub use aide::{Aide, Engine, PARAMETERS as AIDE_PARAMETERS};
 pub use decoding::{Decoding, Encoding};
 pub use ga::Ga;
 pub(super) use run::{Found, search};

@@ -23,7 +23,7 @@ use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::path::Path;
 use crate::plan::homotopy::{self, Atlas};
-use crate::plan::{Planner, Preset, Solution};
+use crate::plan::{Parameter, Planner, Preset, Solution};
 use crate::query::Query;
 use crate::timing::Method;
 use seats::Seats;
@@ -68,6 +68,29 @@ pub struct Aide {
     /// The lower bound is computed.
     pub bound: bool,
 }
+
+/// The parameters, for the registry.
+pub const PARAMETERS: &[Parameter] = &[
+    Parameter { name: "preset", about: "default | paper: our settings or those of the source" },
+    Parameter { name: "points", about: "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs" },
+    Parameter { name: "scales", about: "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well" },
+    Parameter { name: "objective", about: "form of the objective: repaired | literal" },
+    Parameter { name: "weights", about: "weights of length, time, turning and clearance" },
+    Parameter { name: "length_ref", about: "L_max, m; null: half of the perimeter of the world" },
+    Parameter { name: "time_ref", about: "T_max, s; null: 1.5 L_max at the speed limit" },
+    Parameter { name: "turn_ref", about: "Theta_ref, rad/s" },
+    Parameter { name: "safe", about: "d_safe of the clearance term, m; null: what is kept free around the reference point" },
+    Parameter { name: "hints", about: "candidates along exact routes are in the first population" },
+    Parameter { name: "engine", about: "the optimizer: improved-de | de | l-shade | cma-es | firefly" },
+    Parameter { name: "population", about: "individuals NP; 0: as many as the engine likes" },
+    Parameter { name: "generations", about: "generations g_max of all stages together" },
+    Parameter { name: "stages", about: "stages K_loop, 1 to 1000" },
+    Parameter { name: "classes", about: "homotopy classes that get a candidate, at most 64; 0: none" },
+    Parameter { name: "polish", about: "quasi-Newton steps at a time, at most 10000; 0: none" },
+    Parameter { name: "feedback", about: "what was too fast narrows the next stage's search" },
+    Parameter { name: "profile", about: "speed along the result: time-optimal | iascv | trapezoid" },
+    Parameter { name: "bound", about: "a lower bound of the objective is computed" },
+];
 
 impl Default for Aide {
     fn default() -> Self {

@@ -15,6 +15,7 @@ STEPS = {
     "Ants on corners beside the any-angle optimum": [sys.executable, "benches/sparse_ants.py", "--seeds", "3"],
     "Shortest paths among discs beside OMPL": [sys.executable, "benches/continuous.py"],
     "Ant colonies beside aco-routing": [sys.executable, "benches/colonies.py"],
+    "Optimizers beside pygmo and SciPy": [sys.executable, "benches/optimizers.py"],
     "The whole plan of a warehouse": [sys.executable, "benches/whole_plan.py"],
 }
 

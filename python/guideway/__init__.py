@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from guideway import errors
 from guideway._core import (
+    Minimum,
     Path,
     Profile,
     Query,
@@ -31,6 +32,8 @@ from guideway._core import (
     distance_transform,
     lattice_optimum,
     measure,
+    minimize,
+    optimizers,
     parameters,
     pareto,
     plan,
@@ -73,6 +76,7 @@ __all__ = [
     "GuidewayError",
     "Infeasible",
     "Limits",
+    "Minimum",
     "NoPath",
     "NoResult",
     "OutsideMap",
@@ -97,6 +101,8 @@ __all__ = [
     "io",
     "lattice_optimum",
     "measure",
+    "minimize",
+    "optimizers",
     "parameters",
     "pareto",
     "plan",

@@ -218,6 +218,48 @@ def scurve(
     start: tuple[float, float] = ...,
     end: tuple[float, float] = ...,
 ) -> Profile: ...
+
+@final
+class Minimum:
+    """What an optimizer found."""
+
+    @property
+    def method(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def x(self) -> _Floats: ...
+    @property
+    def value(self) -> float: ...
+    @property
+    def violation(self) -> float: ...
+    @property
+    def history(self) -> _Floats: ...
+    @property
+    def evaluations(self) -> int: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def stop(self) -> str: ...
+    @property
+    def population(self) -> _Floats: ...
+    @property
+    def costs(self) -> _Floats: ...
+
+def minimize(
+    f: Callable[[_Floats], Any] | str,
+    bounds: ArrayLike,
+    method: str = "l-shade",
+    *,
+    seed: int = 0,
+    budget: Budget | Mapping[str, Any] | int | None = None,
+    set: Mapping[str, Any] | None = None,
+    vectorized: bool = False,
+    hints: ArrayLike | None = None,
+    observe: _Observer | None = None,
+    threads: int = 1,
+) -> Minimum: ...
+def optimizers() -> list[dict[str, Any]]: ...
 def plan(
     query: Query,
     planner: str = "visibility",

@@ -4,7 +4,9 @@ mod certify;
 mod convert;
 mod errors;
 mod exact;
+mod minimize;
 mod motion;
+mod objective;
 mod path;
 mod plan;
 mod query;
@@ -24,6 +26,8 @@ mod _core {
     use crate::certify::{certify, reference};
     #[pymodule_export]
     use crate::exact::{lattice_optimum, pareto};
+    #[pymodule_export]
+    use crate::minimize::{Minimum, minimize, optimizers};
     #[pymodule_export]
     use crate::motion::{Trajectory, ceiling, controllers, correct, drive, time};
     #[pymodule_export]

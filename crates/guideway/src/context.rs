@@ -178,6 +178,11 @@ impl<'a> Context<'a> {
         self.poll()
     }
 
+    /// Has the run end as if the observer had asked for it.
+    pub fn cancel(&mut self) {
+        self.cancelled = true;
+    }
+
     /// Counts `n` candidates as costed.
     pub fn count_evaluations(&mut self, n: u64) {
         self.evaluations += n;

@@ -1,8 +1,9 @@
 //! Covariance matrix adaptation: a normal distribution that learns the shape of the function, started again with other populations.
 //!
 //! Source: \[hansen2016\] for one run, \[auger2005\] and \[hansen2009\] for the restarts. Symbols: `lambda` population, `sigma` step, `m` mean. The box is
-//! scaled to a unit cube. Departures: places outside the box are mirrored at its sides and learnt from as they are then; a run ends when its last places
-//! are equally good, when it has shrunk to a point, or when its covariance is degenerate; without a hint a run begins at a random place.
+//! scaled to a unit cube. Departures: the function goes on outside the box as if its sides were mirrors, and the distribution is held not to outgrow the
+//! box; a run ends when its last places are equally good, when it has shrunk to a point, or when its covariance is degenerate; without a hint a run begins
+//! at a random place.
 
 use super::distribution::{Distribution, Rates};
 use super::record::{Record, check, first, within};
@@ -168,6 +169,7 @@ impl Search<'_> {
             let mut order: Vec<usize> = (0..count).collect();
             order.sort_by(|&a, &b| self.costs[a].order(self.costs[b]));
             distribution.learn(&order.iter().map(|&i| units[i].as_slice()).collect::<Vec<_>>());
+            distribution.hold(1.0);
             lately.push_back(self.costs[order[0]]);
             if lately.len() > window {
                 lately.pop_front();
@@ -195,14 +197,11 @@ impl Search<'_> {
     }
 }
 
-/// Mirrors a place at the sides of the unit cube, and finds it in the box.
-fn place(unit: &mut [f64], x: &mut [f64], bounds: &[(f64, f64)]) {
-    for ((u, v), (low, high)) in unit.iter_mut().zip(x).zip(bounds) {
-        if !(0.0..=1.0).contains(u) {
-            let turned = u.rem_euclid(2.0);
-            *u = if turned > 1.0 { 2.0 - turned } else { turned };
-        }
-        *v = (low + *u * (high - low)).clamp(*low, *high);
+/// Where in the box a place is that is mirrored at the sides of the unit cube.
+fn place(unit: &[f64], x: &mut [f64], bounds: &[(f64, f64)]) {
+    for ((u, v), (low, high)) in unit.iter().zip(x).zip(bounds) {
+        let turned = if (0.0..=1.0).contains(u) { *u } else { 1.0 - (u.rem_euclid(2.0) - 1.0).abs() };
+        *v = (low + turned * (high - low)).clamp(*low, *high);
     }
 }
 

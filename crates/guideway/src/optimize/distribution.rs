@@ -172,6 +172,13 @@ impl Distribution {
         self.roots = values.iter().map(|v| v.max(1e-14 * most).sqrt()).collect();
     }
 
+    /// Takes the step back where the standard deviation along any number has grown beyond `most`.
+    pub fn hold(&mut self, most: f64) {
+        let n = self.mean.len();
+        let widest = (0..n).map(|k| self.covariance[k * n + k]).fold(0.0, f64::max).sqrt();
+        self.step = self.step.min(most / widest);
+    }
+
     /// The largest standard deviation along any number.
     pub fn reach(&self) -> f64 {
         let n = self.mean.len();

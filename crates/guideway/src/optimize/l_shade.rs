@@ -23,9 +23,9 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LShade {
-    /// Individuals at first `N_init`, at least 4; 0: 18 for each number, fewer if the budget is small.
+    /// Individuals at first `N_init`, at least 4; 0: 18 for each number as in the source, at most a 150th of the evaluations.
     pub population: usize,
-    /// Individuals in the end `N_min`, at least 4.
+    /// Individuals in the end `N_min`, at least 4 (4 in the source).
     pub least: usize,
     /// Generations, if the budget names neither iterations nor evaluations.
     pub iterations: u64,
@@ -49,7 +49,7 @@ impl Default for LShade {
     fn default() -> Self {
         Self {
             population: 0,
-            least: 4,
+            least: 12,
             iterations: 4000,
             memory: 6,
             elite: 0.11,
@@ -63,7 +63,7 @@ impl Default for LShade {
 }
 
 /// Generations of the first size that a budget shall at least pay for.
-const GENERATIONS: u64 = 40;
+const GENERATIONS: u64 = 150;
 
 impl Optimizer for LShade {
     fn minimize(&self, f: &dyn Objective, ctx: &mut Context) -> Result<Minimum, PlanError> {
@@ -91,7 +91,7 @@ impl LShade {
     /// Checks the parameters; gives back the size of the first population.
     fn check(&self, f: &dyn Objective, schedule: &Schedule) -> Result<usize, PlanError> {
         let affordable = schedule.evaluations().map_or(u64::MAX, |n| n / GENERATIONS).try_into().unwrap_or(usize::MAX);
-        let count = if self.population == 0 { (18 * f.bounds().len()).min(affordable).max(self.least).max(8) } else { self.population };
+        let count = if self.population == 0 { (18 * f.bounds().len()).min(affordable).max(self.least) } else { self.population };
         breeding(f, count, self.iterations, self.tolerance)?;
         if !(4..=count).contains(&self.least) {
             return Err(PlanError::bad("least", self.least, format!("4 to {count}, the population")));

@@ -17,6 +17,7 @@ mod improved_de;
 mod l_shade;
 mod pso;
 mod record;
+mod registry;
 mod schedule;
 mod sparrow;
 
@@ -27,6 +28,7 @@ pub use grouped_pso::GroupedPso;
 pub use improved_de::{Form, ImprovedDe, Opposition, Renewal, decay};
 pub use l_shade::LShade;
 pub use pso::Pso;
+pub use registry::{Entry, Parameter, REGISTRY, optimizer};
 pub use sparrow::Sparrow;
 
 use crate::context::{Context, Stop};
@@ -81,7 +83,7 @@ pub trait Objective: Sync {
 
     /// Costs of a batch, one per candidate of `D` numbers. The cost of a candidate depends on nothing but the candidate: batches are cut in pieces.
     /// # Errors
-    /// Whatever stops the run.
+    /// Whatever stops the run. [`PlanError::Cancelled`] ends it as an observer does: the best so far is the result.
     fn costs(&self, xs: &[Vec<f64>]) -> Result<Vec<Cost>, PlanError>;
 
     /// Known good candidates that the first population shall hold: seeds, a previous population.
@@ -149,19 +151,27 @@ pub fn evaluate(f: &dyn Objective, xs: &[Vec<f64>], ctx: &mut Context) -> Result
         if ctx.poll().is_some() {
             break;
         }
-        if threads == 1 {
-            costs.extend(checked(f, part)?);
-        } else {
-            // As many pieces as threads: no more of them run at once.
-            let parts = part.par_chunks(part.len().div_ceil(threads)).map(|some| checked(f, some));
-            for some in parts.collect::<Vec<_>>() {
-                costs.extend(some?);
+        match piecewise(f, part, threads) {
+            Ok(some) => costs.extend(some),
+            Err(PlanError::Cancelled) => {
+                ctx.cancel();
+                break;
             }
+            Err(error) => return Err(error),
         }
         ctx.count_evaluations(part.len() as u64);
     }
     costs.resize(xs.len(), Cost::WORST);
     Ok(costs)
+}
+
+/// Costs of candidates, in as many pieces as threads: no more of them run at once.
+fn piecewise(f: &dyn Objective, xs: &[Vec<f64>], threads: usize) -> Result<Vec<Cost>, PlanError> {
+    if threads == 1 {
+        return checked(f, xs);
+    }
+    let parts: Vec<_> = xs.par_chunks(xs.len().div_ceil(threads)).map(|some| checked(f, some)).collect();
+    parts.into_iter().collect::<Result<Vec<_>, _>>().map(|some| some.concat())
 }
 
 fn checked(f: &dyn Objective, xs: &[Vec<f64>]) -> Result<Vec<Cost>, PlanError> {

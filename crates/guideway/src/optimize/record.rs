@@ -76,8 +76,8 @@ impl Record {
 /// Checks the box and the number of candidates.
 pub(super) fn check(f: &dyn Objective, name: &str, count: usize, iterations: u64) -> Result<(), PlanError> {
     let bounds = f.bounds();
-    if let Some((low, high)) = bounds.iter().find(|(low, high)| !(low < high && (high - low).is_finite())) {
-        return Err(PlanError::bad("bounds", format!("({low}, {high})"), "finite numbers, the smaller one first"));
+    if let Some((k, (low, high))) = bounds.iter().enumerate().find(|(_, (low, high))| !(low < high && (high - low).is_finite())) {
+        return Err(PlanError::bad(format!("bounds[{k}]"), format!("({low}, {high})"), "finite numbers, the smaller one first"));
     }
     if bounds.is_empty() {
         return Err(PlanError::bad("bounds", "none", "one pair for each number, at least one"));

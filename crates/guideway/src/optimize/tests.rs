@@ -2,6 +2,8 @@ use super::functions::{Function, Shifted};
 use super::*;
 use crate::context::Budget;
 
+mod evolution;
+
 const DIMENSION: usize = 10;
 
 fn optimizers() -> Vec<(&'static str, Box<dyn Optimizer>)> {
@@ -24,7 +26,7 @@ fn worst(optimizer: &dyn Optimizer, share: f64) -> Vec<f64> {
         let mut ctx = Context::new(seed).with_budget(Budget { evaluations: Some(20_000), ..Budget::default() }).unwrap();
         optimizer.minimize(&objective, &mut ctx).unwrap().cost.value
     };
-    Function::ALL.iter().map(|&f| (0..3).map(|seed| run(f, seed)).fold(0.0, f64::max)).collect()
+    Function::ALL[..4].iter().map(|&f| (0..3).map(|seed| run(f, seed)).fold(0.0, f64::max)).collect()
 }
 
 #[test]
@@ -45,12 +47,12 @@ fn every_optimizer_finds_the_minima_of_plain_and_shifted_functions() {
         ("firefly", 0.0, [1e-9, 6000.0, 60.0, 1e-5]),
         ("firefly", 0.3, [1e-9, 6000.0, 60.0, 1e-5]),
         ("firefly", 0.7, [1e-9, 6000.0, 60.0, 1e-5]),
-        ("l-shade", 0.0, [1e-15, 0.6, 2e-5, 1e-8]),
-        ("l-shade", 0.3, [1e-15, 0.6, 2e-5, 1e-8]),
-        ("l-shade", 0.7, [1e-15, 0.6, 2e-5, 1e-8]),
-        ("cma-es", 0.0, [1e-18, 1e-19, 30.0, 1e-9]),
-        ("cma-es", 0.3, [1e-18, 1e-19, 30.0, 1e-9]),
-        ("cma-es", 0.7, [1e-18, 1e-19, 30.0, 1e-9]),
+        ("l-shade", 0.0, [1e-16, 0.05, 2e-3, 1e-8]),
+        ("l-shade", 0.3, [1e-16, 0.05, 2e-3, 1e-8]),
+        ("l-shade", 0.7, [1e-16, 0.05, 2e-3, 1e-8]),
+        ("cma-es", 0.0, [1e-18, 1e-15, 30.0, 1e-9]),
+        ("cma-es", 0.3, [1e-18, 1e-15, 30.0, 1e-9]),
+        ("cma-es", 0.7, [1e-18, 1e-15, 30.0, 1e-9]),
     ];
     let optimizers = optimizers();
     for (name, share, most) in bounds {

@@ -13,6 +13,7 @@ pub mod search;
 pub mod swarm;
 
 pub use iascv::Iascv;
+pub use crate::optimize::Parameter;
 pub use registry::REGISTRY;
 
 use crate::Point;
@@ -91,15 +92,6 @@ pub trait Planner: Send + Sync {
     fn replan(&self, _previous: &Solution, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
         self.plan(query, ctx)
     }
-}
-
-/// One parameter of a planner, for `--list`.
-#[derive(Debug, Clone, Copy)]
-pub struct Parameter {
-    /// Field name.
-    pub name: &'static str,
-    /// What it is, its unit and its source.
-    pub about: &'static str,
 }
 
 /// One line of the registry.

@@ -12,8 +12,8 @@ pub mod score;
 pub mod search;
 pub mod swarm;
 
-pub use iascv::Iascv;
 pub use crate::optimize::Parameter;
+pub use iascv::Iascv;
 pub use registry::REGISTRY;
 
 use crate::Point;

@@ -5,7 +5,7 @@
 
 use crate::Point;
 use crate::world::shape::{cross, distance, dot, norm, sub, wrap};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Way by which an arc passes outside its corner, as a share of its height over its chord: room for the chords of the exported polyline.
 const MARGIN: f64 = 0.01;
@@ -15,6 +15,8 @@ const SPAN: f64 = PI / 10.0;
 const SPANS: f64 = 4.0;
 /// Sharper turns than this stay corners, rad.
 pub(super) const SHARPEST: f64 = 0.95 * PI;
+/// Largest sweep of an arc through a via point, rad: there the robot may turn round in a loop.
+const LOOP: f64 = 1.6 * PI;
 
 /// Knot spans for an arc of `sweep` rad, `fine` times as many as usual.
 pub(super) fn spans(sweep: f64, fine: f64) -> f64 {
@@ -48,6 +50,8 @@ pub(super) struct Pulley {
     pub held: bool,
     /// Factor on its number of knot spans: with short ones the bend begins and ends near its arc.
     pub fine: f64,
+    /// It turns the other way round, by more than half a turn.
+    pub round: bool,
     /// Unit vector from the centre of the turn to its apex.
     outward: Point,
 }
@@ -55,7 +59,7 @@ pub(super) struct Pulley {
 impl Pulley {
     /// A point that the path starts from, ends at or goes through.
     pub fn point(at: Point, mode: Mode) -> Self {
-        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, fine: 1.0, outward: [0.0, 0.0] }
+        Self { contacts: vec![at], mode, radius: 0.0, cap: 0.0, turn: 0.0, held: false, fine: 1.0, round: false, outward: [0.0, 0.0] }
     }
 
     /// Mean of its way points, m.
@@ -67,6 +71,9 @@ impl Pulley {
     /// Sets the turn from the headings (rad) of the legs before and after.
     pub fn face(&mut self, heading_in: f64, heading_out: f64) {
         self.turn = wrap(heading_out - heading_in);
+        if self.round {
+            self.turn -= TAU.copysign(self.turn);
+        }
         let middle = heading_in + self.turn / 2.0;
         self.outward = [self.sign() * middle.sin(), -self.sign() * middle.cos()];
     }
@@ -224,11 +231,14 @@ impl Guide {
             }
             return Ok(());
         }
-        let sweep = pulley.sign() * turn;
-        if !(-1e-9..=SHARPEST).contains(&sweep) {
+        let through = pulley.mode == Mode::Through;
+        let near = pulley.sign() * turn;
+        // A bend through a via point may turn right round: near half a turn the angle alone does not tell which way.
+        let sweep = if through && near < 0.0 && pulley.turn.abs() > PI / 2.0 { near + TAU } else { near };
+        if !(-1e-9..=if through { LOOP } else { SHARPEST }).contains(&sweep) {
             return Err(index); // the belt runs past the pulley, or nearly back on itself
         }
-        if pulley.mode == Mode::Through {
+        if through {
             let (sign, n) = (pulley.sign(), pulley.outward);
             let apex = sign * wrap((sign * n[0]).atan2(-sign * n[1]) - heading_in);
             if !(apex > 0.0 && apex < sweep) {

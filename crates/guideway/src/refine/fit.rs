@@ -23,6 +23,9 @@ const FINE: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Curvatures that differ by less than this factor count as equal: knots on a leg move a little with the bends at its ends.
 const SAME: f64 = 1.01;
 
+/// A bend through a via point goes the other way round only where the path turns back: up to this much of a turn, rad.
+const ROUND: f64 = 4.2;
+
 /// Most neighbours on either side that a trial looks at.
 const WINDOW: usize = 12;
 
@@ -111,21 +114,50 @@ impl<'a> Fit<'a> {
     /// Turns the bends at via points to face their neighbours.
     fn refresh(&mut self) {
         for i in 1..self.chain.len().saturating_sub(1) {
-            if self.chain[i].mode != Mode::Through {
-                continue;
+            if self.chain[i].mode == Mode::Through {
+                let cap = self.chain[i].cap;
+                self.face(i, self.chain[i].round);
+                let radius = self.chain[i].radius.min(cap);
+                (self.chain[i].cap, self.chain[i].radius) = (cap, if radius < self.smallest { 0.0 } else { radius });
             }
-            let mut pulley = Pulley::point(self.chain[i].at(), Mode::Through);
-            pulley.cap = self.chain[i].cap;
-            let leg = |a: &Pulley, b: &Pulley| tangent(a.wheel(a.turn.abs())?, b.wheel(b.turn.abs())?);
-            if let (Some(a), Some(b)) = (leg(&self.chain[i - 1], &pulley), leg(&pulley, &self.chain[i + 1])) {
-                pulley.face(a.heading, b.heading);
-                let ends = [i == 1, i + 2 == self.chain.len()];
-                let cap = self.smooth.cap(pulley.turn, [room(distance(a.from, a.to), ends[0]), room(distance(b.from, b.to), ends[1])], true);
-                let radius = cap.min(pulley.cap);
-                pulley.radius = if pulley.turn.abs() < 1e-7 || radius < self.smallest { 0.0 } else { radius };
-            }
-            self.chain[i] = pulley;
         }
+    }
+
+    /// Makes via point `i` face its neighbours, `round` the other way, with the largest sensible radius, which is its cap too.
+    fn face(&mut self, i: usize, round: bool) {
+        let mut pulley = Pulley::point(self.chain[i].at(), Mode::Through);
+        pulley.round = round;
+        let leg = |a: &Pulley, b: &Pulley| tangent(a.wheel(a.turn.abs())?, b.wheel(b.turn.abs())?);
+        if let (Some(a), Some(b)) = (leg(&self.chain[i - 1], &pulley), leg(&pulley, &self.chain[i + 1])) {
+            pulley.face(a.heading, b.heading);
+            let ends = [i == 1, i + 2 == self.chain.len()];
+            let rooms = [room(distance(a.from, a.to), ends[0]), room(distance(b.from, b.to), ends[1])];
+            let cap = self.smooth.generous().cap(pulley.turn, rooms, false);
+            pulley.cap = if pulley.turn.abs() < 1e-7 { 0.0 } else { cap };
+            pulley.radius = pulley.cap;
+        }
+        self.chain[i] = pulley;
+    }
+
+    /// The widest bend through via point `i` that can be proved; where the path turns back, to either side. None fits: a corner.
+    fn bend_through(&mut self, i: usize) {
+        let mut best = self.chain[i].clone();
+        for round in [false, true] {
+            self.face(i, round);
+            if round && self.chain[i].turn.abs() > ROUND {
+                break;
+            }
+            let mut radius = self.chain[i].cap;
+            while radius > best.radius.max(self.smallest) {
+                if self.try_radius(i, radius) {
+                    best = self.chain[i].clone();
+                    best.cap = radius;
+                    break;
+                }
+                radius *= 0.8;
+            }
+        }
+        self.chain[i] = best;
     }
 
     /// The spline of the whole chain, proved, with the raw legs that are taken as given; or the pulleys to blame.
@@ -198,6 +230,7 @@ impl<'a> Fit<'a> {
     pub fn grow(&mut self) {
         for i in 1..self.chain.len().saturating_sub(1) {
             if self.chain[i].mode == Mode::Through {
+                self.bend_through(i);
                 continue;
             }
             self.enlarge(i);

@@ -2,15 +2,13 @@
 
 use super::belt::{Mode, Pulley, SHARPEST, heading};
 use super::fit::Fit;
-use super::smooth::{Smooth, room};
+use super::smooth::room;
 use crate::world::shape::distance;
 
 /// Gain in radius that makes one bend out of two.
 const GAIN: f64 = 1.3;
 /// Smallest gain that makes one out of more: an even bend is better than a row of them.
 const EVEN: f64 = 0.95;
-/// A bend around several corners may add this much more than one around a single corner: the tight bends it replaces are worth it.
-const GENEROUS: f64 = 3.0;
 /// Numbers of corners that are tried together, less one.
 const RUNS: [usize; 9] = [1, 2, 3, 5, 8, 13, 21, 34, 55];
 
@@ -78,8 +76,7 @@ impl Fit<'_> {
         let heading_in = heading(before, first);
         pulley.face(heading_in, heading_in + turn);
         let rooms = [room(distance(before, first), i == 1), room(distance(end, after), last + 2 == self.chain.len())];
-        let generous = Smooth { stretch: GENEROUS * self.smooth.stretch, ..self.smooth };
-        pulley.cap = generous.cap(turn, rooms, false);
+        pulley.cap = self.smooth.generous().cap(turn, rooms, false);
         Some(pulley)
     }
 }

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 pub struct Smooth {
     /// Largest curvature, 1/m; met where there is room, else reported. `None`: as gentle as `stretch` and the room allow.
     pub max_curvature: Option<f64>,
-    /// Length that a bend may add, as a share of its two legs; one around several corners may add three times that. 0.01 lengthens a taut path by about
+    /// Length that a bend may add, as a share of its two legs; one around several corners or through a via point three times that. 0.01 lengthens a taut path by about
     /// half a per cent.
     pub stretch: f64,
     /// Bends with a smaller radius stay corners, cells. Turning in place is quicker than creeping around such a bend.
@@ -41,6 +41,9 @@ const SPARE: f64 = 1.002;
 
 /// Largest radius as a multiple of the legs: wider bends are straight for all purposes and reach too far.
 const WIDEST: f64 = 2.0;
+/// A bend around several corners, or through a via point, may add this much more than one around a single corner: the tight bends or the stop that it replaces
+/// are worth it.
+const GENEROUS: f64 = 3.0;
 
 impl Default for Smooth {
     fn default() -> Self {
@@ -68,7 +71,7 @@ impl Refiner for Smooth {
             }
         }
         let (path, given) = fit.settle()?;
-        let unmet = self.unmet(&path, &given);
+        let unmet = self.unmet(&path, &given, query);
         Ok(Refined { path, unmet })
     }
 }
@@ -126,6 +129,11 @@ impl Smooth {
         }
     }
 
+    /// The same with room for bends that replace more than a corner.
+    pub(super) fn generous(&self) -> Self {
+        Self { stretch: GENEROUS * self.stretch, ..*self }
+    }
+
     /// One pulley per way point.
     fn chain(&self, points: &[(Point, bool)], query: &Query) -> Vec<Pulley> {
         let last = points.len() - 1;
@@ -136,7 +144,7 @@ impl Smooth {
             let pulley = &mut chain[i];
             pulley.face(heading_in, heading_out);
             if pulley.mode == Mode::Through {
-                pulley.cap = f64::INFINITY; // follows its neighbours
+                // A corner at first; it bends once its neighbours lie.
                 continue;
             }
             pulley.cap = self.cap(pulley.turn, [self.room(points, [i, i - 1]), self.room(points, [i, i + 1])], true);
@@ -152,7 +160,7 @@ impl Smooth {
     }
 
     /// What could not be met, in words: corners, curvature above the limit, raw legs that are no better than the planner gave them.
-    fn unmet(&self, path: &Path, given: &[[Point; 2]]) -> Vec<String> {
+    fn unmet(&self, path: &Path, given: &[[Point; 2]], query: &Query) -> Vec<String> {
         let mut unmet: Vec<String> = given
             .iter()
             .map(|[a, b]| {
@@ -161,7 +169,8 @@ impl Smooth {
             .collect();
         for corner in path.corners() {
             let [x, y] = path.planar(corner.s).point;
-            unmet.push(format!("no room for a bend at ({x:.3}, {y:.3}): turn in place by {:.1} degrees", corner.turn().to_degrees()));
+            let what = if query.via.iter().any(|v| distance(*v, [x, y]) < 1e-6) { "via point " } else { "" };
+            unmet.push(format!("no room for a bend at {what}({x:.3}, {y:.3}): turn in place by {:.1} degrees", corner.turn().to_degrees()));
         }
         if let Some(limit) = self.max_curvature {
             let peaks = peaks(path, limit).into_iter();

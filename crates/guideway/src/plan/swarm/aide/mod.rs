@@ -28,6 +28,7 @@ use crate::query::Query;
 use crate::timing::Method;
 use seats::Seats;
 use serde::{Deserialize, Serialize};
+use speed::Track;
 use stages::Outcome;
 
 /// A part of the trace.
@@ -178,12 +179,15 @@ impl Aide {
     /// The result, if a free curve was found and can be driven.
     fn solution(&self, query: &Query, atlas: &Atlas, seats: &Seats, outcome: &Outcome, ctx: &mut Context) -> Option<Solution> {
         let best = outcome.best.as_ref().filter(|best| best.cost.feasible())?;
-        let (path, trajectory, speed) = speed::motion(&outcome.curves, &best.x, self.profile, ctx).ok()?;
+        let own = outcome.track.as_ref().filter(|track| track.is_of(&best.x));
+        let fresh = if own.is_none() { Some(Track::new(&outcome.curves, &best.x).ok()?) } else { None };
+        let track = own.or(fresh.as_ref())?;
+        let (trajectory, speed) = track.motion(query, self.profile, ctx).ok()?;
         let bound = self.bound.then(|| bound::bound(query, &self.settings, atlas.classes[0].length, ctx));
         let history: Vec<(u64, f64)> = ctx.take_history().into_iter().filter(|h| h.1.is_finite()).collect();
         let trace = record::trace(outcome, (best, &history), (atlas, seats), &speed, bound.as_ref());
         Some(Solution {
-            path,
+            path: track.path.clone(),
             cells: None,
             cost: best.cost.value,
             trajectory: Some(trajectory),

@@ -19,6 +19,9 @@ const LEAST: usize = 4;
 /// Numbers of control points are tried in turn, as multiples of the first.
 const GROWTH: [f64; 3] = [1.0, 1.5, 2.25];
 
+/// Classes that are tried again with more control points each time, the shortest first.
+const AGAIN: usize = 3;
+
 /// A class and its candidate.
 pub(super) struct Seat {
     pub class: usize,
@@ -33,19 +36,22 @@ pub(super) struct Seats {
     pub stop: Option<Stop>,
 }
 
-/// Places a candidate in every class that can still win, and polishes it; with more control points where none is free.
+/// Places a candidate in every class that can still win, and polishes it; with more control points where it is not free.
 pub(super) fn place(aide: &Aide, query: &Query, (atlas, exact): (&Atlas, &Solution), ctx: &mut Context) -> Result<Seats, PlanError> {
     let mut all = Seats { seats: Vec::new(), stop: None };
     let open = query.stops().into_iter().map(|p| query.world.clearance(p)).fold(f64::INFINITY, f64::min);
-    for growth in GROWTH {
+    for (round, growth) in GROWTH.into_iter().enumerate() {
+        let mut again = if round == 0 { usize::MAX } else { AGAIN };
         for (i, class) in atlas.classes.iter().enumerate() {
             all.stop = all.stop.or_else(|| ctx.spent());
             // The shortest path of the class in the least time, as far away as its ends are: no curve of the class is better.
-            if all.stop.is_none() && bound::at_least(query, &aide.settings, class.length * (1.0 - 1e-9), open) < all.value() {
+            let worth = again > 0 && !all.free(i) && bound::at_least(query, &aide.settings, class.length * (1.0 - 1e-9), open) < all.value();
+            if all.stop.is_none() && worth {
+                again -= 1;
                 all.take(aide, i, along(aide, query, (&class.points, growth), ctx.seed())?, ctx)?;
             }
         }
-        if all.value().is_finite() || all.stop.is_some() || aide.settings.points > 0 {
+        if all.stop.is_some() || aide.settings.points > 0 {
             break;
         }
     }
@@ -75,6 +81,11 @@ impl Seats {
         self.seats.iter().filter(|s| s.best.cost.feasible()).map(|s| s.best.cost.value).fold(f64::INFINITY, f64::min)
     }
 
+    /// Does the class have a free candidate?
+    fn free(&self, class: usize) -> bool {
+        self.seats.iter().any(|s| s.class == class && s.best.cost.feasible())
+    }
+
     fn take(&mut self, aide: &Aide, class: usize, curves: Curves, ctx: &mut Context) -> Result<(), PlanError> {
         let Some(x) = curves.hints().first().cloned() else { return Ok(()) };
         let from = Candidate { cost: curves.judge(&x).cost(), x };
@@ -84,7 +95,11 @@ impl Seats {
             (best, stop) = polish(&curves, best, REPAIR * aide.polish, ctx)?;
         }
         self.stop = self.stop.or(stop);
-        self.seats.push(Seat { class, curves, best });
+        match self.seats.iter_mut().find(|s| s.class == class) {
+            Some(seat) if best.cost.beats(seat.best.cost) => *seat = Seat { class, curves, best },
+            Some(_) => {}
+            None => self.seats.push(Seat { class, curves, best }),
+        }
         Ok(())
     }
 }

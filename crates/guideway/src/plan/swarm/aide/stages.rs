@@ -3,7 +3,7 @@
 use super::Aide;
 use super::polish::{Candidate, polish};
 use super::seats::Seats;
-use super::speed::{Speed, look};
+use super::speed::{Speed, Track};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::optimize::{Cost, Minimum, Objective};
@@ -37,6 +37,8 @@ pub(super) struct Outcome {
     pub stages: Vec<Stage>,
     pub population: Value,
     pub stop: Stop,
+    /// That of the candidate that was looked at last.
+    pub track: Option<Track>,
 }
 
 /// Runs the loop on the curves of the best class, or on plain ones.
@@ -44,7 +46,8 @@ pub(super) fn run(aide: &Aide, seats: &Seats, plain: Option<&Curves>, ctx: &mut 
     let curves = seats.seats.first().map(|s| &s.curves).or(plain).ok_or_else(|| PlanError::bad("seats", 0, "at least one"))?.clone();
     let mut state = State { aide, box_of_all: curves.bounds().to_vec(), best: seats.seats.first().map(|s| s.best.clone()), hints: Vec::new() };
     state.hints = hints(seats, &curves);
-    let mut outcome = Outcome { curves, best: None, stages: Vec::new(), population: Value::Null, stop: seats.stop.unwrap_or(Stop::Converged) };
+    let mut outcome =
+        Outcome { curves, best: None, stages: Vec::new(), population: Value::Null, stop: seats.stop.unwrap_or(Stop::Converged), track: None };
     if seats.stop.is_none() {
         state.turns(&mut outcome, ctx)?;
     }
@@ -92,7 +95,12 @@ impl State<'_> {
                 }
                 continue;
             };
-            let speed = look(&outcome.curves, &best.x)?;
+            let track = match outcome.track.take() {
+                Some(track) if track.is_of(&best.x) => track,
+                _ => Track::new(&outcome.curves, &best.x)?,
+            };
+            let speed = track.look()?;
+            outcome.track = Some(track);
             let settled = best.cost.feasible() && before - best.cost.value <= SETTLED * best.cost.value.abs();
             let done = spent.is_some() || turn + 1 == self.aide.stages || settled && speed.remaining.is_empty() && self.aide.polish > 0;
             let fed_back = if done || !self.aide.feedback { Vec::new() } else { self.feed_back(&mut outcome.curves, &speed)? };

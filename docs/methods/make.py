@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +42,15 @@ SAMPLED = {
     "informed-rrt-star": [("informed-rrt-star", PAPER, "informed-rrt-star, preset paper"), ("rrt-star", PAPER, "rrt-star, preset paper")],
 }
 """The same in scene:w0 without what moves."""
+BLIND = PAPER | {"scales": False}
+SPLINES = {
+    "de": [("de", BLIND, "de, no hints"), ("improved-de", BLIND, "improved-de, no hints"), ("de", {}, "de")],
+    "improved-de": [("improved-de", BLIND, "improved-de, no hints"), ("de", BLIND, "de, no hints"), ("improved-de", {}, "improved-de")],
+    "firefly": [("firefly", BLIND, "firefly, no hints"), ("de", BLIND, "de, no hints"), ("firefly", {}, "firefly")],
+    "l-shade": [("l-shade", BLIND, "l-shade, no hints"), ("de", BLIND, "de, no hints"), ("l-shade", {}, "l-shade")],
+    "cma-es": [("cma-es", BLIND, "cma-es, no hints"), ("de", BLIND, "de, no hints"), ("cma-es", {}, "cma-es")],
+}
+"""The same for continuous planners, in scene:w0."""
 COLONIES = [
     ("aco", {}), ("aco", PAPER), ("mmas", {}), ("mmas", PAPER), ("bidirectional-aco", {}), ("bidirectional-aco", BARE), ("bidirectional-aco", PAPER),
     ("improved-aco", BARE), ("pso-aco", {}), ("pso-aco", BARE), ("pso-aco", PAPER),
@@ -81,6 +91,11 @@ def pictures() -> None:
         for name, rows in SAMPLED.items():
             records = [jobs.run(room_job(room, planner, settings)).record | {"label": label} for planner, settings, label in rows]
             put(name, search_figure(records, room.world("static"), Path(folder) / name))
+        still, robot = room.world("static"), gw.Limits(2.0, 5.0, 5.0, 10.0, turn_rate=2.0, lateral_acceleration=2.0)
+        for name, rows in SPLINES.items():
+            task = partial(jobs.Job, still, (0, 0), (5, 3), clearance=0.3, limits=robot, seed=1, budget=gw.Budget(evaluations=16000))
+            records = [jobs.run(task(planner=planner, set=settings)).record | {"label": label} for planner, settings, label in rows]
+            put(name, search_figure(records, still, Path(folder) / name))
         put("replanning", replanned(Path(folder) / "replanning"))
         put("sparse-graph", corners(Path(folder) / "sparse-graph"))
 

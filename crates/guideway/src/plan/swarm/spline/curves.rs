@@ -2,7 +2,7 @@
 
 use super::basis::Basis;
 use super::clearance::Obstacles;
-use super::samples::{NODES, Scratch};
+use super::samples::{NODES, STEP, Scratch};
 use super::settings::{Form, References, Settings};
 use super::speed::FirstPass;
 use crate::Point;
@@ -16,6 +16,8 @@ use std::time::Instant;
 
 /// Range of the scales.
 const SCALES: (f64, f64) = (0.3, 1.0);
+/// Largest curvature, in the inverse of the larger of a cell and the distance to keep.
+const SHARPEST: f64 = 30.0;
 /// Repetitions of a part that is timed.
 const SPLIT: u32 = 8;
 /// Rate of the heading accelerations in the literal objective, Hz.
@@ -35,7 +37,8 @@ pub struct Judged {
     pub overspeed: f64,
     /// The objective `f`, half of the overspeed included.
     pub value: f64,
-    /// Relative lack of clearance, at the worst place plus on average, plus the relative distance outside of the world; 0 where the curve is free.
+    /// Relative lack of clearance, at the worst place plus on average, plus the relative distance outside of the world, plus the relative excess of
+    /// curvature over [`Curves::sharpest`]; 0 where the curve is free.
     pub violation: f64,
 }
 
@@ -104,6 +107,11 @@ impl Curves {
     /// Encoding and objective.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Curvature above which a curve is no candidate, 1/m: a motion would have to creep around what is next to a cusp.
+    pub fn sharpest(&self) -> f64 {
+        SHARPEST / self.query.world.resolution().max(self.obstacles.needed)
     }
 
     /// What is asked.
@@ -182,6 +190,19 @@ impl Curves {
         }
     }
 
+    /// Largest curvature of a candidate, 1/m; exact enough to tell whether it is above [`Curves::sharpest`].
+    pub fn curvature(&self, x: &[f64]) -> f64 {
+        let mut scratch = Scratch::default();
+        self.decode(x, &mut scratch.control);
+        scratch.sample(&self.basis);
+        self.bend(&scratch)
+    }
+
+    fn bend(&self, scratch: &Scratch) -> f64 {
+        let most = self.sharpest();
+        scratch.pieces.iter().map(|piece| piece.sharpest(most)).fold(0.0, f64::max)
+    }
+
     /// What a candidate is worth.
     pub fn judge(&self, x: &[f64]) -> Judged {
         self.worth(x, &mut Scratch::default())
@@ -191,6 +212,8 @@ impl Curves {
         self.decode(x, &mut scratch.control);
         scratch.sample(&self.basis);
         let found = self.obstacles.judge(scratch);
+        let (bend, most) = (self.bend(scratch), self.sharpest());
+        let sharp = if bend > most { 1.0 - most / bend } else { 0.0 };
         let length = scratch.measure().max(1e-12);
         let pass = FirstPass::new(length, &self.limits(x));
         let (turning, excess) = self.motion(scratch, &pass);
@@ -202,7 +225,7 @@ impl Curves {
             clearance: found.clearance,
             overspeed: excess / length,
             value: 0.0,
-            violation: found.violation,
+            violation: found.violation + sharp,
         };
         judged.value = self.settings.value(&judged, self.references);
         judged
@@ -340,10 +363,10 @@ fn literal(scratch: &Scratch, pass: &FirstPass) -> f64 {
                 (piece, node) = (piece + 1, 0);
             }
         }
-        let (place, bend) = (&scratch.places[piece], &scratch.pieces[piece].curvature);
+        let place = &scratch.places[piece];
         let width = place[node + 1] - place[node];
         let share = if width > 0.0 { ((s - place[node]) / width).clamp(0.0, 1.0) } else { 0.0 };
-        let rate = (bend[node] + share * (bend[node + 1] - bend[node])) * pass.speed(s);
+        let rate = scratch.pieces[piece].curvature_at(STEP * (node as f64 + share)) * pass.speed(s);
         sum += (rate - last).abs() * RATE;
         last = rate;
     }

@@ -56,7 +56,7 @@ pub(in crate::plan) fn plan(query: &Query, settings: &Settings, optimizer: &dyn 
     }
     let lines = if settings.hints || settings.points == 0 { route::lines(query, &exact, ctx) } else { Vec::new() };
     let Layout { curves, free } = route::layout(query, settings, &lines, ctx)?;
-    if settings.hints && settings.points == 0 && !free && ctx.poll().is_none() {
+    if settings.hints && settings.points == 0 && free == Some(false) && ctx.poll().is_none() {
         return follow(query, settings, &exact, ctx);
     }
     let watch = Watch::new(&curves);

@@ -28,10 +28,10 @@ const GROWTH: f64 = 1.5;
 /// Copies of the best hint, each control point moved at random, and how far in distances of control points.
 const COPIES: (u64, f64) = (6, 0.1);
 
-/// Curves with their hints, and whether one of these is free.
+/// Curves with their hints, and whether one of these is free (`None`: none was judged).
 pub(in crate::plan::swarm) struct Layout {
     pub curves: Curves,
-    pub free: bool,
+    pub free: Option<bool>,
 }
 
 /// The exact route and wider ones, smoothed and as they are; the exact one last.
@@ -58,7 +58,7 @@ pub(in crate::plan::swarm) fn lines(query: &Query, exact: &Solution, ctx: &mut C
 /// Curves with the number of control points that is asked for, or, if it is left open, the least of some numbers with which a candidate along a line is free.
 pub(in crate::plan::swarm) fn layout(query: &Query, settings: &Settings, lines: &[Vec<Point>], ctx: &mut Context) -> Result<Layout, PlanError> {
     let Some(exact) = lines.last() else {
-        return Ok(Layout { curves: Curves::new(query, settings)?, free: false });
+        return Ok(Layout { curves: Curves::new(query, settings)?, free: None });
     };
     let legs = legs(query, exact);
     let mut growth = 1.0;
@@ -83,9 +83,9 @@ pub(in crate::plan::swarm) fn layout(query: &Query, settings: &Settings, lines: 
             }
         }
         fits.sort_by(|a, b| a.0.order(b.0));
-        let free = fits.first().is_some_and(|f| f.0.feasible());
+        let free = fits.first().map(|f| f.0.feasible());
         growth *= GROWTH;
-        if free || settings.points > 0 || total as f64 * GROWTH > MOST as f64 || ctx.poll().is_some() {
+        if free == Some(true) || settings.points > 0 || total as f64 * GROWTH > MOST as f64 || ctx.poll().is_some() {
             seed(&mut curves, settings, fits.into_iter().map(|f| f.1).collect(), ctx.seed())?;
             return Ok(Layout { curves, free });
         }

@@ -110,6 +110,51 @@ impl Piece {
     }
 }
 
+impl Piece {
+    /// The largest curvature, 1/m: at the nodes, and between them wherever it may exceed `limit` there, until that is settled.
+    pub fn sharpest(&self, limit: f64) -> f64 {
+        let [cx, cy] = self.power;
+        let rates = [8.0 * self.sag / (STEP * STEP), 6.0 * (cx[3] * cx[3] + cy[3] * cy[3]).sqrt()];
+        let mut most = self.curvature.iter().fold(0.0f64, |m, k| m.max(k.abs()));
+        for j in 0..NODES - 1 {
+            let ends = [j, j + 1].map(|i| (self.speed[i], self.curvature[i].abs() * self.speed[i].powi(3)));
+            self.bend([STEP * j as f64, STEP], ends, rates, (limit, &mut most));
+        }
+        most
+    }
+
+    /// Speed and cross product of the first two derivatives at `t`.
+    fn turning(&self, t: f64) -> (f64, f64) {
+        let [cx, cy] = self.power;
+        let (dx, dy) = (cx[1] + t * (2.0 * cx[2] + t * 3.0 * cx[3]), cy[1] + t * (2.0 * cy[2] + t * 3.0 * cy[3]));
+        let (ex, ey) = (2.0 * cx[2] + 6.0 * t * cx[3], 2.0 * cy[2] + 6.0 * t * cy[3]);
+        ((dx * dx + dy * dy).max(1e-18).sqrt(), dx * ey - dy * ex)
+    }
+
+    /// Signed curvature at `t`, 1/m.
+    pub fn curvature_at(&self, t: f64) -> f64 {
+        let (speed, cross) = self.turning(t);
+        cross / speed.powi(3)
+    }
+
+    /// Looks into a stretch `[from, width]` as long as the curvature in it may exceed the limit. `rates` bound the second and the third derivative.
+    fn bend(&self, [from, width]: [f64; 2], ends: [(f64, f64); 2], rates: [f64; 2], (limit, most): (f64, &mut f64)) {
+        let slack = 0.5 * width * rates[0];
+        let slowest = 0.5 * (ends[0].0 + ends[1].0) - slack;
+        let cross = ends[0].1.max(ends[1].1) + 0.5 * width * (ends[0].0.max(ends[1].0) + slack) * rates[1];
+        let settled = slowest > 0.0 && cross <= limit * slowest * slowest * slowest;
+        if settled || *most > limit || width < 1e-6 {
+            return;
+        }
+        let half = 0.5 * width;
+        let middle = self.turning(from + half);
+        let middle = (middle.0, middle.1.abs());
+        *most = most.max(middle.1 / middle.0.powi(3));
+        self.bend([from, half], [ends[0], middle], rates, (limit, most));
+        self.bend([from + half, half], [middle, ends[1]], rates, (limit, most));
+    }
+}
+
 /// What the cost of one candidate after the other is computed in; nothing is allocated for a candidate.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {

@@ -1,71 +1,39 @@
-use super::*;
-use crate::certify;
-use crate::context::Context;
-use crate::optimize::Objective;
-use crate::plan::Planner;
-use crate::plan::search::Visibility;
-use crate::query::{Limits, Query};
-use crate::world::{Shape, World};
+use super::speed::FirstPass;
+use crate::query::Limits;
+use crate::timing::{Bounds, Jerks, SCurve};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use std::sync::Arc;
 
-/// The room of section 8.
-pub(in crate::plan) fn w0() -> Query {
-    let discs = [
-        (1.20, 0.95, 0.8),
-        (2.35, 1.55, 0.6),
-        (2.10, 3.00, 1.0),
-        (3.70, 2.05, 0.9),
-        (4.10, 0.60, 0.7),
-        (6.50, 1.50, 1.2),
-        (7.50, 4.20, 1.0),
-        (0.90, 3.90, 0.5),
-    ];
-    let shapes = discs.iter().map(|(x, y, d)| Shape::disc([*x, *y], 0.5 * d).unwrap()).collect();
-    let world = Arc::new(World::from_shapes([0.0, 0.0, 10.0, 6.0], shapes, 0.05).unwrap());
-    let limits = Limits {
-        speed: 2.0,
-        acceleration: 5.0,
-        deceleration: 5.0,
-        jerk: 10.0,
-        turn_rate: Some(2.0),
-        turn_acceleration: None,
-        lateral_acceleration: Some(2.0),
-    };
-    Query { clearance: 0.3, limits, ..Query::new(world, [0.0, 0.0], [5.0, 3.0]) }
-}
-
-/// A route along the exact one, a little wider.
-fn route(query: &Query) -> Vec<crate::Point> {
-    let wider = Query { clearance: query.clearance + 0.05, ..query.clone() };
-    Visibility::default().plan(&wider, &mut Context::new(1)).unwrap().path.points()
-}
-
-/// Half of the draws come from all over the box, half are near the route.
-fn draw(curves: &Curves, along: &[f64], rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let spread = if rng.random_bool(0.5) { 1.0 } else { 0.1 * rng.random::<f64>() };
-    let place = |(b, a): (&(f64, f64), &f64), r: f64| (a + spread * (b.1 - b.0) * (2.0 * r - 1.0)).clamp(b.0, b.1);
-    curves.bounds().iter().zip(along).map(|pair| place(pair, rng.random())).collect()
+fn limits(speed: f64, acceleration: f64, deceleration: f64, jerk: f64) -> Limits {
+    Limits { speed, acceleration, deceleration, jerk, ..Limits::default() }
 }
 
 #[test]
-fn candidates_are_free_exactly_when_the_certificate_says_so() {
-    let query = w0();
-    let curves = Curves::new(&query, &Settings { points: 5, ..Settings::default() }).unwrap();
-    let along = curves.fit(&route(&query));
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let mut free = 0;
-    for _ in 0..400 {
-        let x = draw(&curves, &along, &mut rng);
-        let judged = curves.judge(&x);
-        let path = curves.path(&x).unwrap();
-        // Curves near a cusp are measured less well.
-        let off = (path.length() / judged.length - 1.0).abs();
-        assert!(off < if judged.violation == 0.0 { 1e-6 } else { 1e-2 }, "{} {}", path.length(), judged.length);
-        let checked = certify::collision(&path, &query, Some(0.05));
-        assert_eq!(checked.ok, judged.violation == 0.0, "{judged:?} {checked:?}");
-        free += usize::from(checked.ok);
+fn the_first_pass_is_the_seven_phase_plan() {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut draw = |low: f64, high: f64| (rng.random_range(low.ln()..high.ln())).exp();
+    for _ in 0..5000 {
+        let limits = limits(draw(0.1, 5.0), draw(0.1, 10.0), draw(0.1, 10.0), draw(0.1, 50.0));
+        let length = draw(1e-3, 50.0);
+        let pass = FirstPass::new(length, &limits);
+        let bounds =
+            Bounds { speed: limits.speed, acceleration: limits.acceleration, deceleration: limits.deceleration, jerk: Jerks::all(limits.jerk) };
+        let plan = SCurve { distance: length, start: (0.0, 0.0), end: (0.0, 0.0), bounds }.plan().unwrap();
+        assert!((pass.time / plan.duration() - 1.0).abs() < 1e-7, "{limits:?} {length}: {} {}", pass.time, plan.duration());
+        for i in 0..=20 {
+            let t = plan.duration() * f64::from(i) / 20.0;
+            let (s, v, ..) = plan.at(t);
+            assert!((pass.place(t) - s).abs() < 1e-6 * length, "{limits:?} {length} at {t}: {} {s}", pass.place(t));
+            // Near rest the speed is the cube root of the way.
+            assert!((pass.speed(s) - v).abs() < 1e-4 * pass.top, "{limits:?} {length} at {s}: {} {v}", pass.speed(s));
+        }
     }
-    assert!(free > 20, "{free}");
+}
+
+#[test]
+fn the_first_pass_has_the_regression_values() {
+    let nominal = limits(2.0, 5.0, 5.0, 10.0);
+    assert!((FirstPass::new(34f64.sqrt(), &nominal).time - 3.80990).abs() < 1e-5);
+    let short = FirstPass::new(0.05, &nominal);
+    assert!((short.time - 0.54288).abs() < 1e-5 && (short.top - 0.18420).abs() < 1e-5);
 }

@@ -16,6 +16,7 @@ STEPS = {
     "Shortest paths among discs beside OMPL": [sys.executable, "benches/continuous.py"],
     "Ant colonies beside aco-routing": [sys.executable, "benches/colonies.py"],
     "Optimizers beside pygmo and SciPy": [sys.executable, "benches/optimizers.py"],
+    "Candidates of continuous planners": ["cargo", "run", "--quiet", "--release", "--package", "guideway", "--example", "curves"],
     "The whole plan of a warehouse": [sys.executable, "benches/whole_plan.py"],
 }
 

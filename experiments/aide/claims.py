@@ -124,20 +124,23 @@ def verdicts(rows: list[Row], searches: list[Row], loops: list[Row], methods: It
 
 def first(searches: list[Row]) -> str:
     """(i) IDE beats DE at equal evaluations on W0."""
-    de, ide = ([row for row in searches if row["planner"] == name and row["error"] is None] for name in ("de", "improved-de"))
-    lines = []
-    for name, part in (("all", None), *((c, c) for c in dict.fromkeys(row["class"] for row in de + ide))):
-        a, b = ([row["f"] for row in group if part is None or row["class"] == part] for group in (de, ide))
-        cells = [f"{statistics.fmean(v):.4f} (best {min(v):.4f}, sd {statistics.pstdev(v):.4f})" if v else "-" for v in (a, b)]
-        effect = f"{tables.a12(b, a):.2f}" if a and b else "-"
-        lines.append([name, len(a), cells[0], len(b), cells[1], effect])
-    paired = {row["seed"]: row["f"] for row in de}
-    both = [(row["f"], paired[row["seed"]]) for row in ide if row["seed"] in paired]
-    effect = tables.a12([row["f"] for row in ide], [row["f"] for row in de])
-    p = tables.signed_rank([b[0] for b in both], [b[1] for b in both]) if both else 1.0
-    words = f"**(i) Improved DE beats DE at equal evaluations on w0** (A12 above {LARGE}): A12 {effect:.2f}, p {p:.2g}: {said(effect > LARGE)}.\n\n"
-    table = tables.markdown(["homotopy class", "DE runs", "DE, mean f", "improved DE runs", "improved DE, mean f", "A12"], lines)
-    return words + "By homotopy class (turns round each disc, against the straight line):\n\n" + table
+    words, lines = [], []
+    for budget in dict.fromkeys(row["budget"] for row in searches):
+        part = [row for row in searches if row["budget"] == budget]
+        de, ide = ([row for row in part if row["planner"] == name and row["error"] is None] for name in ("de", "improved-de"))
+        for name in ("all", *dict.fromkeys(row["class"] for row in de + ide)):
+            a, b = ([row["f"] for row in group if name in ("all", row["class"])] for group in (de, ide))
+            cells = [f"{statistics.fmean(v):.4f} (best {min(v):.4f}, sd {statistics.pstdev(v):.4f})" if v else "-" for v in (a, b)]
+            lines.append([budget, name, len(a), cells[0], len(b), cells[1], f"{tables.a12(b, a):.2f}" if a and b else "-"])
+        paired = {row["seed"]: row["f"] for row in de}
+        both = [(row["f"], paired[row["seed"]]) for row in ide if row["seed"] in paired]
+        effect = tables.a12([row["f"] for row in ide], [row["f"] for row in de])
+        p = tables.signed_rank([b[0] for b in both], [b[1] for b in both]) if both else 1.0
+        nothing = sum(row["error"] is not None for row in part)
+        words.append(f"{budget} evaluations: A12 {effect:.2f}, p {p:.2g}, {nothing} runs without a path: {said(effect > LARGE and p < 0.05)}")
+    text = f"**(i) Improved DE beats DE at equal evaluations on w0** (A12 above {LARGE}). {'; '.join(words)}.\n\n"
+    head = ["evaluations", "homotopy class", "DE runs", "DE, mean f", "improved DE runs", "improved DE, mean f", "A12"]
+    return text + "By homotopy class (turns round each disc, against the straight line):\n\n" + tables.markdown(head, lines)
 
 
 def compared(rows: list[Row], one: str, other: str, key: str) -> tuple[float, float]:

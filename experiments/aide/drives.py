@@ -42,6 +42,8 @@ METHODS: dict[str, tuple[str, dict[str, Any], str]] = {
 ROOMS, CONDITIONS = ("w0", "w1"), gw.scenes.CONDITIONS
 BLIND = ("ACO", "FA", "DE")
 """Methods that do not look at what moves: their plan is that of the static room."""
+LONG = 160_000
+"""Evaluations of the long searches: 40 individuals for 4000 generations."""
 LIMIT = 60.0
 """Longest drive, s."""
 
@@ -69,21 +71,32 @@ def planned(query: gw.Query, method: str, seed: int, evaluations: int) -> tuple[
     return found, motion, time.process_time() - begun
 
 
-def driven(task: tuple[str, str, str, int, int]) -> Row:
-    """One plan and its drive."""
-    room, condition, method, seed, evaluations = task
-    row: Row = {"room": room, "condition": condition, "method": method, "seed": seed, "error": None}
-    query = asked(room, seed, condition, method)
-    plain = "static" if method in BLIND and condition == "dynamic" else condition
-    try:
-        found, motion, seconds = planned(asked(room, seed, plain, method), method, seed, evaluations)
-    except gw.GuidewayError as error:
-        return row | {"error": type(error).__name__, "success": False, "touched": True}
+def driven(task: tuple[str, str, int, int]) -> Row:
+    """The plans and drives of a method with one seed, a row for each condition."""
+    room, method, seed, evaluations = task
+    plans: dict[str, Any] = {}
+    rows = []
+    for condition in CONDITIONS:
+        plain = "static" if method in BLIND and condition == "dynamic" else condition
+        row: Row = {"room": room, "condition": condition, "method": method, "seed": seed, "error": None}
+        try:
+            if plain not in plans:
+                plans[plain] = planned(asked(room, seed, plain, method), method, seed, evaluations)
+        except gw.GuidewayError as error:
+            rows.append(row | {"error": type(error).__name__, "success": False, "touched": False})
+            continue
+        rows.append(row | measured(asked(room, seed, condition, method), plans[plain], seed))
+    return {"rows": rows}
+
+
+def measured(query: gw.Query, plan: tuple[gw.Solution, gw.Trajectory, float], seed: int) -> Row:
+    """A drive of a plan, and all that is measured of both."""
+    found, motion, seconds = plan
+    limits = gw.Limits(**query.limits)
     record = gw.drive(query, motion, "tracker", seed=seed, time_limit=LIMIT)
     mean, rms = measures.leaning(record["driven"])
-    nearest = record["min_separation"]
-    arrived = record["outcome"] == "arrived"
-    row |= {
+    nearest, arrived = record["min_separation"], record["outcome"] == "arrived"
+    row = {
         "f": found.cost,
         "evaluations": found.evaluations,
         "ok": bool(gw.certify(motion.path, query)["ok"]),
@@ -101,7 +114,7 @@ def driven(task: tuple[str, str, str, int, int]) -> Row:
         "replans": record["replans"],
         "lean_mean": mean,
         "lean_rms": rms,
-        "broken": measures.over_ceiling(motion, gw.Limits(**query.limits)),
+        "broken": measures.over_ceiling(motion, limits),
         "scores": measures.confidence(motion, query.world),
     }
     row |= {key: record["tracking"][key] for key in ("tpe", "tte", "path_error", "ts")}
@@ -112,7 +125,7 @@ def searched(task: tuple[str, str, int, int]) -> Row:
     """One search in the static room: f and the homotopy class of its path."""
     room, planner, seed, evaluations = task
     scene = gw.scenes.load(room)
-    row: Row = {"room": room, "planner": planner, "seed": seed, "error": None}
+    row: Row = {"room": room, "planner": planner, "seed": seed, "budget": evaluations, "error": None}
     try:
         found = gw.plan(scene.query("static"), planner, seed=seed, set=PAPER, budget=gw.Budget(evaluations=evaluations))
     except gw.GuidewayError as error:
@@ -199,21 +212,23 @@ def main() -> None:
     parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
     given = parser.parse_args()
     n, out, workers = given.evaluations, given.out, given.workers
-    drives = [(room, condition, method, seed, n) for room in ROOMS for condition in CONDITIONS for method in METHODS for seed in range(given.seeds)]
-    rows = collect("drives", driven, drives, out, workers)
-    searches = [("w0", planner, seed, n) for planner in ("de", "improved-de") for seed in range(given.search_seeds)]
+    methods = {name: way for name, way in METHODS.items() if way[0] in {entry["name"] for entry in gw.planners()}}
+    drives = [(room, method, seed, n) for room in ROOMS for method in methods for seed in range(given.seeds)]
+    rows = [row for task in collect("drives", driven, drives, out, workers) for row in task["rows"]]
+    budgets = sorted({n, LONG})
+    searches = [("w0", planner, seed, count) for count in budgets for planner in ("de", "improved-de") for seed in range(given.search_seeds)]
     found = collect("searches", searched, searches, out, workers)
     loops = [(room, seed) for room in ROOMS for seed in range(given.search_seeds)] + [("layout", seed) for seed in range(given.layouts)]
-    closed = collect("loops", looped, loops, out, workers)
-    heap = collect("memory", memory, [("w0", method, n) for method in METHODS], out, 1)
+    closed = collect("loops", looped, loops, out, workers) if "A-I-DE" in methods else []
+    heap = collect("memory", memory, [("w0", method, n) for method in methods], out, 1)
     words = f"--seeds {given.seeds} --search-seeds {given.search_seeds} --layouts {given.layouts} --evaluations {n} --docs"
     factor = claims.calibrated([row for row in rows if row["method"] == "DE" and row["room"] == "w0" and row["condition"] == "static"])
     text = "\n".join(
         [
-            claims.drives(rows, factor, METHODS),
-            claims.work(rows, heap, METHODS),
-            claims.roc(rows, METHODS),
-            claims.verdicts(rows, found, closed, METHODS),
+            claims.drives(rows, factor, methods),
+            claims.work(rows, heap, methods),
+            claims.roc(rows, methods),
+            claims.verdicts(rows, found, closed, methods),
         ]
     )
     tables.publish("aide", f"python experiments/aide/drives.py {words}", text, out, given.docs)

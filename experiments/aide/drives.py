@@ -6,6 +6,7 @@ python experiments/aide/drives.py [--seeds 10] [--search-seeds 30] [--layouts 10
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import multiprocessing
 import sys
@@ -137,7 +138,7 @@ def searched(task: tuple[str, str, int, int]) -> Row:
 
 
 def looped(task: tuple[str, int]) -> Row:
-    """One run of A-I-DE with its closed loop, by room or random layout."""
+    """One run of A-I-DE with its closed loop, by room or random layout; and the correction alone, of the first pass over an early path of DE."""
     room, seed = task
     scene = gw.scenes.layout(seed) if room == "layout" else gw.scenes.load(room)
     query = scene.query("static")
@@ -152,7 +153,11 @@ def looped(task: tuple[str, int]) -> Row:
     found_regions = sum(len(stage.get("found", [])) for stage in stages)
     left = len(found.trace["speed"]["regions_after"])
     fastest = gw.time(motion.path, scene.limits).duration
+    early = _early(query, seed)
+    corrected = None if early is None else gw.correct(early.path, scene.limits)
     return row | {
+        "early": None if corrected is None else len(corrected["regions_before"]),
+        "early_left": None if corrected is None else len(corrected["regions_after"]),
         "f": found.cost,
         "found": found_regions,
         "left": left,
@@ -162,15 +167,25 @@ def looped(task: tuple[str, int]) -> Row:
     }
 
 
+def _early(query: gw.Query, seed: int) -> gw.Solution | None:
+    """What plain DE has after 2000 evaluations: a rough path, whose first pass is too fast in its bends."""
+    try:
+        return gw.plan(query, "de", seed=seed, set=PAPER, budget=gw.Budget(evaluations=2000))
+    except gw.NoPath:
+        return None
+
+
 def memory(task: tuple[str, str, int]) -> Row:
     """Peak growth of resident memory during one planning call, in a process of its own, MB; None where the system does not tell."""
     room, method, evaluations = task
     query = asked(room, 0, "static", method)
-    planned(query, method, 1, 200)  # what is loaded once
+    with contextlib.suppress(gw.NoPath):  # also a search in vain takes memory
+        planned(query, method, 1, 200)  # what is loaded once
     try:
         Path("/proc/self/clear_refs").write_text("5")
         before = _status("VmRSS")
-        planned(query, method, 0, evaluations)
+        with contextlib.suppress(gw.NoPath):
+            planned(query, method, 0, evaluations)
         return {"room": room, "method": method, "mb": max(0.0, _status("VmHWM") - before)}
     except OSError:
         return {"room": room, "method": method, "mb": None}
@@ -213,7 +228,7 @@ def main() -> None:
     given = parser.parse_args()
     n, out, workers = given.evaluations, given.out, given.workers
     methods = {name: way for name, way in METHODS.items() if way[0] in {entry["name"] for entry in gw.planners()}}
-    drives = [(room, method, seed, n) for room in ROOMS for method in methods for seed in range(given.seeds)]
+    drives = [(room, method, seed, n) for method in [*methods][::-1] for room in ROOMS for seed in range(given.seeds)]  # the slow ants last
     rows = [row for task in collect("drives", driven, drives, out, workers) for row in task["rows"]]
     budgets = sorted({n, LONG})
     searches = [("w0", planner, seed, count) for count in budgets for planner in ("de", "improved-de") for seed in range(given.search_seeds)]

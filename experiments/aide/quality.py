@@ -41,16 +41,18 @@ def loop() -> None:
         values = sorted(found.cost for found in good)
         gaps = [found.trace["bound"]["gap"] for found in good]
         regions = sum(len(stage["found"]) for found in good for stage in found.trace["loop"])
+        gap = f"gap to the lower bound {100 * statistics.median(gaps):.2f} %"
         print(
             f"{name}: {len(good)} of {len(SEEDS)} without overspeed ({regions} regions corrected on the way), "
-            f"f median {statistics.median(values):.6f}, {values[0]:.6f} to {values[-1]:.6f}, gap to the lower bound {100 * statistics.median(gaps):.2f} %"
+            f"f median {statistics.median(values):.6f}, {values[0]:.6f} to {values[-1]:.6f}, {gap}"
         )
     good, gaps = 0, []
     for seed in range(100):
         found = ended(gw.scenes.layout(seed).query("static"), seed)
         good += found is not None
         gaps += [] if found is None else [found.trace["bound"]["gap"]]
-    print(f"random layouts: {good} of 100 without overspeed, gap to the lower bound median {100 * statistics.median(gaps):.2f} %, {100 * max(gaps):.2f} % at most")
+    gap = f"median {100 * statistics.median(gaps):.2f} %, {100 * max(gaps):.2f} % at most"
+    print(f"random layouts: {good} of 100 without overspeed, gap to the lower bound {gap}")
 
 
 def best() -> None:
@@ -90,8 +92,10 @@ def via() -> None:
     for point in job.via:
         near = ((rows[:, 1] - point[0]) ** 2 + (rows[:, 2] - point[1]) ** 2).argmin()
         print(f"via {point}: passed at {rows[near, 4]:.3f} m/s")
-    print(f"warehouse: {outcome.record['metrics']['length']:.2f} m in {rows[-1, 0]:.2f} s, certificate {outcome.record['certificate']['ok']}, "
-          f"{1e3 * (time.process_time() - begun):.0f} ms of one thread")
+    print(
+        f"warehouse: {outcome.record['metrics']['length']:.2f} m in {rows[-1, 0]:.2f} s, certificate {outcome.record['certificate']['ok']}, "
+        f"{1e3 * (time.process_time() - begun):.0f} ms of one thread"
+    )
 
 
 PARTS: dict[str, Callable[[], None]] = {"loop": loop, "best": best, "speed": speed, "via": via}

@@ -43,7 +43,7 @@ def loop() -> None:
         regions = sum(len(stage["found"]) for found in good for stage in found.trace["loop"])
         gap = f"gap to the lower bound {100 * statistics.median(gaps):.2f} %"
         print(
-            f"{name}: {len(good)} of {len(SEEDS)} without overspeed ({regions} regions corrected on the way), "
+            f"{name}: {len(good)} of {len(SEEDS)} without overspeed ({regions} regions on the way), "
             f"f median {statistics.median(values):.6f}, {values[0]:.6f} to {values[-1]:.6f}, {gap}"
         )
     good, gaps = 0, []
@@ -56,7 +56,7 @@ def loop() -> None:
 
 
 def best() -> None:
-    """The best objective that runs of a million evaluations find in w0, without hints and inside the loop."""
+    """The best objective that runs of a million evaluations find in w0, without hints and inside the loop; takes minutes."""
     query, budget = asked("w0"), gw.Budget(evaluations=EVALUATIONS)
     values: list[float] = []
     for engine in ENGINES:

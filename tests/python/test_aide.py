@@ -22,7 +22,8 @@ def hall():
 def test_via_points_in_the_warehouse_are_passed_without_a_stop(hall):
     job, outcome = hall
     record = outcome.record
-    assert record["certificate"]["ok"] and outcome.solution.trace["encoding"]["followed"] is None
+    assert record["certificate"]["ok"]
+    assert outcome.solution.trace["encoding"]["followed"] is None
     rows = outcome.trajectory.sample(1000.0)
     moving = rows[rows[:, 4] > 1e-6]
     for x, y in job.via:
@@ -39,8 +40,10 @@ def test_via_points_in_the_warehouse_are_passed_without_a_stop(hall):
 
 def test_the_trace_tells_the_loop_the_classes_and_the_bound(hall):
     trace = hall[1].record["trace"]
-    assert trace["loop"][-1]["remaining"] == [] and trace["speed"]["regions_after"] == []
-    assert 1 <= len(trace["classes"]) <= 8 and all(row["length"] > 40 for row in trace["classes"])
+    assert trace["loop"][-1]["remaining"] == []
+    assert trace["speed"]["regions_after"] == []
+    assert 1 <= len(trace["classes"]) <= 8
+    assert all(row["length"] > 40 for row in trace["classes"])
     assert 0 < trace["bound"]["lower"] <= trace["bound"]["value"] == trace["objective"]["value"]
 
 
@@ -49,7 +52,8 @@ def test_the_command_line_prints_objective_and_gap(tmp_path, capsys):
     assert main(["plan", "scene:w0", "--planner", "aide", "--seed", "3", "--out", str(out)]) == 0
     text = capsys.readouterr().out
     bound = json.loads(out.read_text(encoding="utf-8"))["trace"]["bound"]
-    assert f"objective    {bound['value']:.4f}" in text and f"{100 * bound['gap']:.2f} % above" in text
+    assert f"objective    {bound['value']:.4f}" in text
+    assert f"{100 * bound['gap']:.2f} % above" in text
 
 
 def test_goals_that_cannot_be_reached_are_errors():

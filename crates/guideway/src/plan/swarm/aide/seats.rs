@@ -12,7 +12,7 @@ use crate::plan::swarm::Curves;
 use crate::plan::swarm::spline::{layout, legs, lines, seed};
 use crate::query::Query;
 
-/// Steps that bring a first candidate into free space, as a multiple of those of the polish.
+/// Steps that bring a first candidate into free space, and that improve the best ones, as a multiple of those of the polish.
 const REPAIR: u64 = 2;
 /// Control points of a leg besides one for each quarter turn.
 const LEAST: usize = 4;
@@ -21,6 +21,9 @@ const GROWTH: [f64; 3] = [1.0, 1.5, 2.25];
 
 /// Classes that are tried again with more control points each time, the shortest first.
 const AGAIN: usize = 3;
+
+/// Classes whose candidates are polished longer.
+const FAVOURITES: usize = 3;
 
 /// A class and its candidate.
 pub(super) struct Seat {
@@ -61,7 +64,8 @@ pub(super) fn place(aide: &Aide, query: &Query, (atlas, exact): (&Atlas, &Soluti
         let wide = layout(query, &aide.settings, &ways, ctx)?;
         all.take(aide, 0, wide.curves, ctx)?;
     }
-    all.seats.sort_by(|a, b| a.best.cost.order(b.best.cost).then(a.class.cmp(&b.class)));
+    all.sort();
+    all.improve(aide, ctx)?;
     Ok(all)
 }
 
@@ -79,6 +83,21 @@ impl Seats {
     /// The best value so far; infinite if no candidate is free.
     fn value(&self) -> f64 {
         self.seats.iter().filter(|s| s.best.cost.feasible()).map(|s| s.best.cost.value).fold(f64::INFINITY, f64::min)
+    }
+
+    fn sort(&mut self) {
+        self.seats.sort_by(|a, b| a.best.cost.order(b.best.cost).then(a.class.cmp(&b.class)));
+    }
+
+    /// More steps for the best, whose order they may change.
+    fn improve(&mut self, aide: &Aide, ctx: &mut Context) -> Result<(), PlanError> {
+        for seat in self.seats.iter_mut().take(FAVOURITES) {
+            if self.stop.is_none() {
+                (seat.best, self.stop) = polish(&seat.curves, seat.best.clone(), REPAIR * aide.polish, ctx)?;
+            }
+        }
+        self.sort();
+        Ok(())
     }
 
     /// Does the class have a free candidate?

@@ -144,7 +144,8 @@ impl Following {
     fn law(&self, reference: &State, ahead: &State, seen: &Observation) -> Command {
         let [ex, ey, et] = error(reference, seen);
         let (v, w) = (self.rate * ahead.speed, self.rate * ahead.turn_rate);
-        let turning = reference.speed < 1e-3;
+        // A clock that a large heading error has stopped runs again only once the robot has turned back.
+        let turning = reference.speed < 1e-3 || v < 1e-3;
         let spin = if turning { self.p.k_turn * et } else { 0.0 };
         let along = if turning && et.abs() > 0.1 { 0.0 } else { self.p.k_x * ex };
         let robot = &self.setup.robot;
@@ -177,4 +178,32 @@ fn error(reference: &State, seen: &Observation) -> [f64; 3] {
     let (dx, dy) = (reference.pose[0] - seen.pose[0], reference.pose[1] - seen.pose[1]);
     let (s, c) = seen.pose[2].sin_cos();
     [c * dx + s * dy, c * dy - s * dx, wrap(reference.pose[2] - seen.pose[2])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::testing::{legs, limits};
+    use crate::drive::{Robot, Setup};
+    use crate::world::{Footprint, World};
+
+    /// The clock stops when the heading is far off; the robot must turn back, or it would wait for ever.
+    #[test]
+    fn a_robot_that_points_elsewhere_turns_back() {
+        let course = Arc::new(Course::new(&legs(&[[0.0, 0.0], [5.0, 0.0]], limits())).unwrap());
+        let world = Arc::new(World::from_shapes([-1.0, -1.0, 6.0, 1.0], Vec::new(), 0.1).unwrap());
+        let robot = Robot::new(Footprint::Disc(0.1), &limits()).unwrap();
+        let mut tracker = Tracker::default().build(&Setup { world, robot, clearance: 0.0 }).unwrap();
+        tracker.follow(&course);
+        let (mut ctx, mut last) = (Context::new(0), Command::default());
+        for k in 0..400 {
+            let time = 0.02 * f64::from(k);
+            let state = course.at(time.min(2.0));
+            let (off, v) = if k < 100 { (0.0, state.speed) } else { (1.2, 0.0) };
+            let seen = Observation { time, pose: [state.pose[0], state.pose[1], off], v, w: 0.0, tracks: Vec::new() };
+            let Decision::Drive(command) = tracker.decide(&seen, &mut ctx) else { panic!("nothing is in the way") };
+            last = command;
+        }
+        assert!(last.w < -0.5, "{last:?}");
+    }
 }

@@ -61,12 +61,11 @@ impl Called {
             |what: String| Failure::Bad(PlanError::bad("f(X)", what, format!("shape ({0},), or two of them: values and violations", xs.len())));
         let columns = |answer: &Bound<'_, PyAny>| -> Result<Vec<f64>, Failure> {
             let array = self.asarray.bind(py).call1((answer, "float64")).map_err(|_| wrong(answer.get_type().to_string()))?;
-            let shape: Vec<usize> = array.getattr("shape")?.extract()?;
-            let array = array.cast_into::<PyArray1<f64>>().map_err(|_| wrong(format!("an array of shape {shape:?}")))?;
-            if shape != [xs.len()] {
-                return Err(wrong(format!("an array of shape {shape:?}")));
+            let shape = array.getattr("shape")?.to_string();
+            match array.cast_into::<PyArray1<f64>>() {
+                Ok(array) if array.len()? == xs.len() => Ok(array.readonly().as_array().to_vec()),
+                _ => Err(wrong(format!("an array of shape {shape}"))),
             }
-            Ok(array.readonly().as_array().to_vec())
         };
         let table: Bound<'_, PyArray2<f64>> = PyArray1::from_vec(py, xs.concat()).reshape([xs.len(), self.bounds.len()])?;
         let answer = self.f.bind(py).call1((table,))?;

@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 /// Most numbers of a candidate that an error shows.
-const SHOWN: usize = 50;
+const SHOWN: usize = 20;
 
 /// A Python function in its box.
 pub struct Called {

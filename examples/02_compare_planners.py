@@ -13,6 +13,6 @@ query = gw.Query(world, start=(0.05, 0.05), goal=(15.95, 11.95), corners="clear"
 exact = gw.plan(query, "visibility").cost
 for entry in gw.planners():
     solution = gw.plan(query, entry["name"])
-    gap = solution.cost / exact - 1
-    print(f"{entry['name']:<16} {solution.cost:8.4f} m  {100 * gap:5.2f} % above the optimum  {1e3 * solution.seconds:8.3f} ms")
+    gap = solution.length / exact - 1
+    print(f"{entry['name']:<17} {solution.length:8.4f} m  {100 * gap:5.2f} % above the optimum  {1e3 * solution.seconds:8.3f} ms")
     assert gap >= -1e-9

@@ -1,6 +1,7 @@
 //! The closed loop: search, look at the speed, feed back, until nothing is too fast and nothing improves.
 
 use super::Aide;
+use super::engine::Engine;
 use super::polish::{Candidate, polish};
 use super::seats::Seats;
 use super::speed::{Speed, Track};
@@ -19,6 +20,8 @@ const NEAR: f64 = 0.3;
 const SHRINK: (f64, f64) = (0.9, 0.35);
 /// The objective has settled once a stage improves it by less than that share.
 const SETTLED: f64 = 1e-4;
+/// Numbers of a candidate up to which a covariance is cheap beside the objective.
+const MANY: usize = 60;
 
 /// What one stage did.
 pub(super) struct Stage {
@@ -77,7 +80,7 @@ struct State<'a> {
 impl State<'_> {
     fn turns(&mut self, outcome: &mut Outcome, ctx: &mut Context) -> Result<(), PlanError> {
         let engine = self.aide.engine.build(self.aide.population);
-        let share = self.aide.generations / self.aide.stages;
+        let share = self.share(outcome.curves.bounds().len());
         for turn in 0..self.aide.stages {
             let before = self.value();
             outcome.curves.set_hints(self.hints.clone());
@@ -112,6 +115,16 @@ impl State<'_> {
             }
         }
         outcome.curves.set_bounds(self.box_of_all.clone())
+    }
+
+    /// Generations of a stage. On long routes a covariance is dear, its work grows with the cube of the numbers, while the polish has done most: fewer then.
+    fn share(&self, numbers: usize) -> u64 {
+        let share = self.aide.generations / self.aide.stages;
+        if self.aide.engine != Engine::CmaEs || numbers <= MANY {
+            return share;
+        }
+        let part = (MANY as f64 / numbers as f64).powi(2);
+        ((share as f64 * part) as u64).max(1)
     }
 
     fn value(&self) -> f64 {

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import tempfile
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pygmo
@@ -123,6 +125,39 @@ def quality(seeds: int, count: int, scenes: Sequence[int]) -> None:
             print(f"| {name} | {np.median(v):.4f} | {share} | {v.min():.4f} | {v.max():.3f} | {near} | {feasible} / {seeds} |", flush=True)
 
 
+def ways(scene: Scene) -> Floats:
+    """Ten points along the shortest path of each homotopy class, shape (k, 20)."""
+    text = "[world]\nbounds = [0, 0, 10, 6]\nresolution = 0.05\n"
+    for (x, y), reach in zip(scene.centers.tolist(), scene.reach.tolist(), strict=True):
+        text += f"[[disc]]\ncenter = [{x!r}, {y!r}]\nradius = {reach - SAFE!r}\n"
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "discs.toml"
+        file.write_text(text, "utf-8")
+        query = gw.Query(gw.World.load(str(file)), START.tolist(), GOAL.tolist(), clearance=SAFE)
+    classes = gw.plan(query, "aide").trace["classes"]
+    hints = []
+    for one in classes:
+        line = np.asarray(one["path"])
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+        at = np.linspace(0.0, along[-1], COUNT + 2)[1:-1]
+        hints.append(np.column_stack([np.interp(at, along, line[:, k]) for k in (0, 1)]).ravel())
+    return np.array(hints)
+
+
+def hinted(seeds: int, count: int, scenes: Sequence[int]) -> None:
+    print(f"\n## The same with a hint in each homotopy class: {count} evaluations, {seeds} seeds\n")
+    print("| scene | method | median | best | worst | feasible |\n|---|---|---|---|---|---|")
+    for scene_seed in scenes:
+        scene = Scene(scene_seed)
+        hints = ways(scene)
+        for method in ("l-shade", "cma-es", "improved-de"):
+            options = {"budget": count, "vectorized": True, "hints": hints}
+            found = [gw.minimize(scene.many, BOX, method, seed=seed, **options).x for seed in range(1, seeds + 1)]
+            v = np.array([scene.one(x) for x in found])
+            feasible = sum(scene.feasible(x) for x in found)
+            print(f"| {scene_seed} | {method} | {np.median(v):.4f} | {v.min():.4f} | {v.max():.4f} | {feasible} / {seeds} |", flush=True)
+
+
 def rate(run: Callable[[], int], repeats: int = 7) -> float:
     """Evaluations per second of CPU time, the best of some runs."""
     rates = []
@@ -228,6 +263,7 @@ def main() -> None:
     python_speed("A Python function that does nothing: the overhead", nothing, nothing_many)
     python_speed("Rosenbrock function in NumPy", valley, valley_many)
     quality(given.seeds, given.evaluations, given.scenes)
+    hinted(given.seeds, given.evaluations, given.scenes)
 
 
 if __name__ == "__main__":

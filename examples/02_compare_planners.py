@@ -5,10 +5,10 @@ import numpy as np
 import guideway as gw
 
 rng = np.random.default_rng(1)
-blocked = rng.random((120, 160)) < 0.2
+blocked = rng.random((60, 80)) < 0.2
 blocked[:3, :] = blocked[-3:, :] = False
 world = gw.World(blocked, resolution=0.1)
-query = gw.Query(world, start=(0.05, 0.05), goal=(15.95, 11.95), corners="clear")
+query = gw.Query(world, start=(0.05, 0.05), goal=(7.95, 5.95), corners="clear")
 
 exact = gw.plan(query, "visibility").cost
 for entry in gw.planners():

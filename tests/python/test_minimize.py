@@ -194,7 +194,7 @@ def test_ctrl_c_returns_promptly_with_what_was_found(f):
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt) as caught:
-            gw.minimize(f, BOX, "de", budget=gw.Budget(seconds=30.0))
+            gw.minimize(f, BOX, "de", budget=gw.Budget(evaluations=10**10, seconds=30.0))
     finally:
         timer.join()
         signal.signal(signal.SIGINT, before)

@@ -8,7 +8,7 @@
 
 use super::field::{Field, Margins, Met};
 use super::filter::Filter;
-use super::{Command, Controller, Course, Decision, Observation, Reason, Setup, arc};
+use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, arc};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::world::shape::wrap;
@@ -130,8 +130,8 @@ struct Window {
 }
 
 impl Controller for Window {
-    fn follow(&mut self, course: &Arc<Course>) {
-        self.course = Some(Arc::clone(course));
+    fn follow(&mut self, guide: &Arc<Guide>) {
+        self.course = Some(Arc::clone(&guide.course));
         (self.s, self.best) = (0.0, (0.0, f64::NAN));
     }
 

@@ -4,8 +4,8 @@ use super::record::{Log, moving};
 use super::sense::Stage;
 use super::separation::{Judge, Leg, With};
 use super::{
-    Collision, Command, Controller, Course, Decision, Event, Motion, MoverRecord, Observation, Outcome, Percentiles, Plant, Reason, Robot, Run,
-    Separation, Unicycle,
+    Collision, Command, Controller, Course, Decision, Event, Guide, Lidar, Motion, MoverRecord, Observation, Outcome, Percentiles, Plant, Reason,
+    Robot, Run, Separation, Unicycle,
 };
 use crate::Point;
 use crate::context::Context;
@@ -14,11 +14,23 @@ use crate::query::Query;
 use crate::timing::Trajectory;
 use crate::world::shape::{distance, wrap};
 use crate::world::{Mover, Shape, World};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Plans and times a new motion for a changed query, whose world holds what is in the way; it starts at the robot's pose, at rest.
 pub type Replanner<'a> = dyn Fn(&Query, &mut Context) -> Result<Trajectory, PlanError> + Sync + 'a;
+
+/// How movers (and, without a map, static obstacles) are seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Sense {
+    /// The truth about those that are present.
+    #[default]
+    Truth,
+    /// What a lidar on the robot shows, tracked.
+    Lidar(Lidar),
+}
 
 /// Sub-steps per control step at which the true pose is read; between them the judge follows the arc.
 const SUBSTEPS: u32 = 4;
@@ -43,6 +55,10 @@ pub struct Job<'a> {
     pub stuck_after: f64,
     /// Command period, s.
     pub period: f64,
+    /// How the surroundings are seen.
+    pub sense: Sense,
+    /// Does the robot know the static world from the start? Else it knows its bounds and what its lidar has seen.
+    pub map_known: bool,
     /// Plans anew when the controller asks; without one it waits.
     pub replanner: Option<&'a Replanner<'a>>,
 }
@@ -64,6 +80,8 @@ impl<'a> Job<'a> {
             time_limit: None,
             stuck_after: 30.0,
             period: 0.02,
+            sense: Sense::Truth,
+            map_known: true,
             replanner: None,
         })
     }
@@ -101,7 +119,7 @@ pub fn execute_on(job: &Job, controller: &mut dyn Controller, plant: &mut dyn Pl
     job.validate()?;
     let course = Arc::new(Course::new(job.trajectory)?);
     let mut drive = Drive::new(job, &course);
-    controller.follow(&course);
+    controller.follow(&Arc::new(Guide::along(Arc::clone(&course))));
     let limit = job.time_limit.unwrap_or(3.0 * course.duration() + 60.0);
     let outcome = loop {
         let t = drive.steps as f64 * job.period;
@@ -246,7 +264,7 @@ impl<'a> Drive<'a> {
                 self.log.courses.push((self.log.driven.len(), Arc::clone(&self.course)));
                 self.replans += 1;
                 (self.s, self.progress) = (0.0, (f64::INFINITY, seen.time));
-                controller.follow(&self.course);
+                controller.follow(&Arc::new(Guide::along(Arc::clone(&self.course))));
                 self.event(seen.time, "replan", reason.text.clone());
             }
             Err(e) => self.event(seen.time, "no-plan", e.name()),

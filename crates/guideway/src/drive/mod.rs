@@ -9,6 +9,8 @@ mod dwa;
 mod execute;
 mod field;
 mod filter;
+mod guide;
+mod lidar;
 mod local;
 mod outline;
 mod predictive;
@@ -24,7 +26,9 @@ mod unicycle;
 pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
 pub use course::Course;
 pub use dwa::Dwa;
-pub use execute::{Job, Replanner, execute, execute_on};
+pub use execute::{Job, Replanner, Sense, execute, execute_on};
+pub use guide::{CostToGo, Guide};
+pub use lidar::{Lidar, Scan};
 pub use outline::Outline;
 pub use predictive::Predictive;
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
@@ -37,7 +41,7 @@ use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Limits;
 use crate::timing::{DEFAULT_TURN_ACCELERATION, DEFAULT_TURN_RATE};
-use crate::world::Footprint;
+use crate::world::{Footprint, World};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -92,7 +96,7 @@ pub struct Command {
 }
 
 /// What a controller sees: estimates and visible movers, never the true world.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Observation {
     /// s since the start of the run.
     pub time: f64,
@@ -104,6 +108,19 @@ pub struct Observation {
     pub w: f64,
     /// Movers that the sensor reports, in a fixed order.
     pub tracks: Vec<Track>,
+    /// Age of the newest good look at the surroundings, s.
+    pub age: f64,
+    /// What the robot knows of the static world, where that is not the map it was given.
+    pub known: Option<Arc<World>>,
+    /// The newest scan, where there is a lidar.
+    pub scan: Option<Arc<Scan>>,
+}
+
+impl Observation {
+    /// A robot that knows its map and sees no movers.
+    pub fn new(time: f64, pose: [f64; 3], v: f64, w: f64) -> Self {
+        Self { time, pose, v, w, tracks: Vec::new(), age: 0.0, known: None, scan: None }
+    }
 }
 
 /// The true state of a base; only the judge of a run reads it.
@@ -150,8 +167,8 @@ pub enum Decision {
 
 /// Turns observations into commands.
 pub trait Controller: Send {
-    /// A new motion to follow, before the first step and after every new plan.
-    fn follow(&mut self, course: &Arc<Course>);
+    /// What to follow, before the first step and after every new plan.
+    fn follow(&mut self, guide: &Arc<Guide>);
     /// One control step.
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision;
 }

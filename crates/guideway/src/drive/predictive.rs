@@ -14,7 +14,7 @@ use super::field::{Field, Margins, Met};
 use super::filter::Filter;
 use super::local::Local;
 use super::rollout::{Forecast, Predictor, Sim, Way};
-use super::{Command, Controller, Course, Decision, Observation, Reason, Setup};
+use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::world::shape::wrap;
@@ -179,8 +179,8 @@ struct Choice {
 }
 
 impl Controller for Steering {
-    fn follow(&mut self, course: &Arc<Course>) {
-        self.course = Some(Arc::clone(course));
+    fn follow(&mut self, guide: &Arc<Guide>) {
+        self.course = Some(Arc::clone(&guide.course));
         (self.s, self.best, self.last) = (0.0, (0.0, f64::NAN), (Command::default(), None));
         self.held = None;
     }

@@ -16,6 +16,10 @@ pub struct Track {
     pub position: Point,
     /// m/s, map frame.
     pub velocity: Point,
+    /// The largest speed it may ever have, m/s.
+    pub bound: f64,
+    /// The true mover is within the outline grown by this, m.
+    pub doubt: f64,
 }
 
 impl Track {
@@ -68,7 +72,7 @@ impl Stage {
         self.present()
             .map(|(id, mover, outline)| {
                 let (position, velocity) = mover.at(t);
-                Track { id, outline: outline.clone(), position, velocity }
+                Track { id, outline: outline.clone(), position, velocity, bound: mover.top_speed(), doubt: 0.0 }
             })
             .collect()
     }

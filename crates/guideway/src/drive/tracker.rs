@@ -6,7 +6,7 @@
 //! that stops and restarts keep the acceleration limits.
 
 use super::filter::Filter;
-use super::{Command, Controller, Course, Decision, Observation, Reason, Setup, Track};
+use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Track};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::timing::State;
@@ -90,8 +90,8 @@ struct Following {
 }
 
 impl Controller for Following {
-    fn follow(&mut self, course: &Arc<Course>) {
-        self.course = Some(Arc::clone(course));
+    fn follow(&mut self, guide: &Arc<Guide>) {
+        self.course = Some(Arc::clone(&guide.course));
         (self.clock, self.rate, self.s, self.waiting) = (0.0, 0.0, 0.0, None);
     }
 
@@ -194,13 +194,13 @@ mod tests {
         let world = Arc::new(World::from_shapes([-1.0, -1.0, 6.0, 1.0], Vec::new(), 0.1).unwrap());
         let robot = Robot::new(Footprint::Disc(0.1), &limits()).unwrap();
         let mut tracker = Tracker::default().build(&Setup { world, robot, clearance: 0.0 }).unwrap();
-        tracker.follow(&course);
+        tracker.follow(&Arc::new(Guide::along(Arc::clone(&course))));
         let (mut ctx, mut last) = (Context::new(0), Command::default());
         for k in 0..400 {
             let time = 0.02 * f64::from(k);
             let state = course.at(time.min(2.0));
             let (off, v) = if k < 100 { (0.0, state.speed) } else { (1.2, 0.0) };
-            let seen = Observation { time, pose: [state.pose[0], state.pose[1], off], v, w: 0.0, tracks: Vec::new() };
+            let seen = Observation::new(time, [state.pose[0], state.pose[1], off], v, 0.0);
             let Decision::Drive(command) = tracker.decide(&seen, &mut ctx) else { panic!("nothing is in the way") };
             last = command;
         }

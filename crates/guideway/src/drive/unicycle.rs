@@ -106,7 +106,7 @@ impl Plant for UnicyclePlant {
         let noise = [p.noise_position * self.normal(), p.noise_position * self.normal(), p.noise_heading * self.normal()];
         let pose = [m.pose[0] + noise[0], m.pose[1] + noise[1], wrap(m.pose[2] + noise[2])];
         let scale = 1.0 + p.odometry_scale;
-        Observation { time: self.time, pose, v: m.v * scale, w: m.w * scale, tracks: Vec::new() }
+        Observation::new(self.time, pose, m.v * scale, m.w * scale)
     }
 
     fn step(&mut self, u: Command, dt: f64) {
@@ -176,8 +176,8 @@ mod tests {
         let deviation = |k: usize| (seen.iter().map(|o| o.pose[k] * o.pose[k]).sum::<f64>() / 4000.0).sqrt();
         assert!((deviation(0) / 0.005 - 1.0).abs() < 0.05 && (deviation(2).to_degrees() / 0.2 - 1.0).abs() < 0.05);
         let again = Unicycle::default().place(&robot(), [0.0; 3], 5).observe();
-        assert_eq!(again, seen[0]);
-        assert_ne!(Unicycle::default().place(&robot(), [0.0; 3], 6).observe(), seen[0]);
+        assert_eq!(again.pose, seen[0].pose);
+        assert_ne!(Unicycle::default().place(&robot(), [0.0; 3], 6).observe().pose, seen[0].pose);
     }
 
     #[test]

@@ -91,7 +91,7 @@ fn aimed_at_the_goal_alone_the_window_is_caught_in_a_pocket_and_with_a_path_it_i
 fn the_window_holds_what_the_base_can_reach() {
     let world = room(HALL, Vec::new(), Vec::new());
     let setup = Setup { world, robot: crate::drive::Robot::new(crate::world::Footprint::Disc(0.2), &limits()).unwrap(), clearance: 0.1 };
-    let seen = Observation { time: 0.0, pose: [1.0, 1.0, 0.0], v: 0.95, w: 0.1, tracks: Vec::new() };
+    let seen = Observation::new(0.0, [1.0, 1.0, 0.0], 0.95, 0.1);
     let all = window(&setup, &seen, [0.1, f64::INFINITY], [11, 21]);
     assert!(all.iter().all(|(v, w)| (0.85 - 1e-12..=1.0).contains(v) && (-0.3 - 1e-12..=0.5 + 1e-12).contains(w)) && all.len() == 11 * 22);
     let field = Field::new(&setup.world, &setup.robot, &seen, Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 3.0);
@@ -102,7 +102,7 @@ fn the_window_holds_what_the_base_can_reach() {
 fn the_first_contact_on_an_arc_is_where_geometry_puts_it() {
     let world = room(HALL, vec![Shape::disc([5.0, 4.0], 0.5).unwrap()], Vec::new());
     let robot = crate::drive::Robot::new(crate::world::Footprint::Disc(0.2), &limits()).unwrap();
-    let seen = Observation { time: 0.0, pose: [1.0, 4.0, 0.0], v: 0.0, w: 0.0, tracks: Vec::new() };
+    let seen = Observation::new(0.0, [1.0, 4.0, 0.0], 0.0, 0.0);
     let field = Field::new(&world, &robot, &seen, Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 5.0);
     let (t, met) = field.contact(seen.pose, 1.0, 0.0, 5.0).unwrap();
     assert!(met == Met::Static && (t - 3.3).abs() < 0.011, "{t}");

@@ -1,5 +1,5 @@
 use super::super::testing::{drive, drive_with, legs, limits, parked, query, room, shuttle};
-use super::super::{Controller, Course, Decision};
+use super::super::{Controller, Decision};
 use super::*;
 use crate::world::{Appears, Footprint, Loop};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ const BEND: [Point; 3] = [[1.0, 1.0], [5.0, 1.0], [5.0, 4.0]];
 /// Drives blindly.
 struct Blind(Command);
 impl Controller for Blind {
-    fn follow(&mut self, _course: &Arc<Course>) {}
+    fn follow(&mut self, _guide: &Arc<Guide>) {}
     fn decide(&mut self, _seen: &Observation, _ctx: &mut Context) -> Decision {
         Decision::Drive(self.0)
     }

@@ -14,6 +14,7 @@ mod lidar;
 mod local;
 mod outline;
 mod predictive;
+mod rays;
 mod record;
 mod rollout;
 mod sense;

@@ -14,6 +14,11 @@ use crate::world::shape::wrap;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Distance from the end of the motion that is driven after it is over, m, at most how fast, m/s, and the bearing above which it is first turned to, rad.
+const BESIDE: f64 = 0.06;
+const HOMING: f64 = 0.3;
+const ASIDE: f64 = 0.5;
+
 /// Parameters of the tracker.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -115,8 +120,13 @@ impl Controller for Following {
         self.waiting = None;
         self.advance(&course, seen, dt);
         let reference = course.at(self.clock);
-        if self.clock >= course.duration() && error(&reference, seen)[0] < 0.01 && seen.v.abs() < 0.05 {
-            return Decision::Stop(Reason::new("end of the motion"));
+        if self.clock >= course.duration() {
+            if let Some(home) = self.home(&reference, seen) {
+                return Decision::Drive(home);
+            }
+            if error(&reference, seen)[0] < 0.01 && seen.v.abs() < 0.05 {
+                return Decision::Stop(Reason::new("end of the motion"));
+            }
         }
         Decision::Drive(self.law(&reference, &course.at(self.clock + self.rate * self.p.lead), seen))
     }
@@ -138,6 +148,15 @@ impl Following {
         };
         self.rate = target.min(self.rate + rise * dt);
         self.clock = (self.clock + self.rate * dt).min(course.duration());
+    }
+
+    /// The motion is over and its end is still away, as after a lateral error that a reference at rest cannot mend: straight to it, slowly.
+    fn home(&self, end: &State, seen: &Observation) -> Option<Command> {
+        let [ahead, left, _] = error(end, seen);
+        let (off, robot) = (ahead.hypot(left), &self.setup.robot);
+        let turn = left.atan2(ahead);
+        let v = if turn.abs() > ASIDE { 0.0 } else { (self.p.k_x * off).min(HOMING).min(robot.speed) * turn.cos() };
+        (off > BESIDE).then(|| Command { v, w: (self.p.k_turn * turn).clamp(-robot.turn_rate, robot.turn_rate) })
     }
 
     /// Kanayama's law.
@@ -183,8 +202,8 @@ fn error(reference: &State, seen: &Observation) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::testing::{legs, limits};
-    use crate::drive::{Robot, Setup};
+    use crate::drive::testing::{legs, limits, query, room};
+    use crate::drive::{Plant, Robot, Setup};
     use crate::world::{Footprint, World};
 
     /// The clock stops when the heading is far off; the robot must turn back, or it would wait for ever.
@@ -205,5 +224,28 @@ mod tests {
             last = command;
         }
         assert!(last.w < -0.5, "{last:?}");
+    }
+
+    /// Beside the end of the motion with a reference at rest there is no lateral feedback; it must be driven to all the same.
+    #[test]
+    fn a_robot_beside_the_end_goes_there() {
+        let query = query(&room([-1.0, -1.0, 6.0, 1.0], Vec::new(), Vec::new()), &[[0.0, 0.0], [2.0, 0.0]]);
+        let motion = legs(&[[0.0, 0.0], [2.0, 0.0]], limits());
+        let course = Arc::new(Course::new(&motion).unwrap());
+        let robot = Robot::new(Footprint::Disc(0.1), &limits()).unwrap();
+        let setup = Setup { world: Arc::clone(&query.world), robot: robot.clone(), clearance: 0.0 };
+        let mut plant = crate::drive::Unicycle::default().place(&robot, [0.0, 0.17, 0.0], 1);
+        // Without lateral feedback it comes to the end beside it.
+        let mut aside = Tracker { k_y: 0.0, k_theta: 0.0, ..Tracker::default() }.build(&setup).unwrap();
+        aside.follow(&Arc::new(Guide::along(Arc::clone(&course))));
+        for k in 0..1000 {
+            let seen = Observation { time: 0.02 * f64::from(k), ..plant.observe() };
+            match aside.decide(&seen, &mut Context::new(0)) {
+                Decision::Drive(command) => plant.step(command, 0.02),
+                _ => plant.step(Command::default(), 0.02),
+            }
+        }
+        let [x, y, _] = plant.motion().pose;
+        assert!((x - 2.0).hypot(y) < 0.08, "{x} {y}");
     }
 }

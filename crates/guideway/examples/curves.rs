@@ -61,9 +61,9 @@ fn seconds(mut call: impl FnMut()) -> f64 {
 
 fn rates(name: &str, curves: &Curves, xs: &[Vec<f64>]) {
     let took = seconds(|| {
-        xs.iter().for_each(|x| {
+        for x in xs {
             let _ = black_box(curves.judge(black_box(x)));
-        })
+        }
     });
     let free = xs.iter().filter(|x| curves.judge(x).cost().feasible()).count();
     let split = curves.split(xs).map(|s| format!("{:.1}", 1e6 * s / xs.len() as f64)).join(", ");

@@ -79,7 +79,7 @@ fn main() -> Result<(), PlanError> {
     let anywhere: Vec<Vec<f64>> =
         (0..CANDIDATES).map(|_| curves.bounds().iter().map(|(low, high)| rng.random_range(*low..=*high)).collect()).collect();
     let exact = planner("visibility", serde_json::Value::Null)?.plan(&query, &mut Context::new(1))?;
-    let good = curves.fit(&exact.path.control().as_chunks::<2>().0);
+    let good = curves.fit(exact.path.control().as_chunks::<2>().0);
     let near = |x: f64, (low, high): (f64, f64), rng: &mut ChaCha8Rng| (x + 0.02 * (high - low) * rng.random_range(-1.0..1.0)).clamp(low, high);
     let beside: Vec<Vec<f64>> =
         (0..CANDIDATES).map(|_| good.iter().zip(curves.bounds()).map(|(x, range)| near(*x, *range, &mut rng)).collect()).collect();

@@ -222,6 +222,7 @@ fn assert_driven(name: &str, query: &Query, solution: &Solution) {
     assert!(solution.trace["convergence"].as_array().is_some_and(|c| !c.is_empty() && c.len() <= 400));
     let population = solution.trace["population"].as_array().unwrap();
     assert!(population.len() <= 8 && population.iter().all(|p| p["paths"].as_array().unwrap().len() <= 40));
+    assert_eq!(population[population.len() - 1]["generation"].as_u64(), Some(solution.iterations), "{name}: the last one is shown");
 }
 
 #[test]

@@ -87,7 +87,7 @@ impl State<'_> {
             let watch = Watch::new(&outcome.curves);
             let minimum = ctx.portion(Some(share), None, |ctx| engine.minimize(&watch, ctx))?;
             if turn == 0 {
-                outcome.population = watch.picture();
+                outcome.population = watch.picture(&minimum);
             }
             self.take(minimum);
             let spent = ctx.spent();

@@ -61,7 +61,7 @@ pub(in crate::plan) fn plan(query: &Query, settings: &Settings, optimizer: &dyn 
     }
     let watch = Watch::new(&curves);
     let minimum = optimizer.minimize(&watch, ctx)?;
-    let picture = watch.picture();
+    let picture = watch.picture(&minimum);
     let evaluations = ctx.evaluations() - before;
     if minimum.cost.feasible()
         && let Ok(found) = found(&curves, &minimum, &picture, ctx)

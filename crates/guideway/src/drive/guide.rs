@@ -1,6 +1,6 @@
 //! What the global layer hands to the local one: the motion, its turning points and the cost-to-go.
 
-use super::Course;
+use super::{CostToGo, Course};
 use crate::Point;
 use std::sync::Arc;
 
@@ -22,7 +22,3 @@ impl Guide {
         Self { course, sub_goals: vec![[end[0], end[1]]], to_go: None }
     }
 }
-
-/// Least cost to the goal from every place, in metres of the cheapest way.
-#[derive(Debug, Clone)]
-pub struct CostToGo {}

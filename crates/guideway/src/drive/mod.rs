@@ -21,6 +21,7 @@ mod sense;
 mod separation;
 #[cfg(test)]
 mod testing;
+mod to_go;
 mod tracker;
 mod unicycle;
 
@@ -28,12 +29,13 @@ pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
 pub use course::Course;
 pub use dwa::Dwa;
 pub use execute::{Job, Replanner, Sense, execute, execute_on};
-pub use guide::{CostToGo, Guide};
+pub use guide::Guide;
 pub use lidar::{Lidar, Scan};
 pub use outline::Outline;
 pub use predictive::Predictive;
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
 pub use sense::{Track, visible};
+pub use to_go::{CostToGo, DEAR, Soft};
 pub use tracker::Tracker;
 pub use unicycle::{Unicycle, UnicyclePlant};
 

@@ -24,7 +24,9 @@ fn random(seed: u64, [w, h]: [u32; 2], share: f64) -> Bits {
 fn brute(field: &CostToGo, seeds: &[(usize, f32)]) -> Vec<f32> {
     let (n, stride) = (field.slow.len(), field.frame.stride());
     let mut cost = vec![f32::INFINITY; n];
-    seeds.iter().for_each(|s| cost[s.0] = s.1);
+    for s in seeds {
+        cost[s.0] = s.1;
+    }
     loop {
         let before = cost.clone();
         for i in (0..n).filter(|&i| field.slow[i].is_finite()) {
@@ -94,7 +96,9 @@ fn ways_lead_over_free_cells_and_cost_what_the_field_says() {
     let mut reached = 0;
     for seed in 0..40 {
         let mut blocked = random(seed, [60, 50], 0.25);
-        [[3, 3], [55, 45]].iter().for_each(|&[x, y]| blocked.set(x, y, false));
+        for [x, y] in [[3, 3], [55, 45]] {
+            blocked.set(x, y, false);
+        }
         let world = world(&blocked, 1.0, [0.0; 3]);
         let soft = if seed % 2 == 0 { Soft { clearance: 2.0, weight: 2.0 } } else { Soft::NONE };
         let field = CostToGo::new(&world, [55.5, 45.5], [0.0, 0.3], soft);

@@ -1,0 +1,197 @@
+//! Perception: what a robot makes of its scans.
+//!
+//! Scan points that the static world does not explain are grouped and tracked; without a map the static world is what was hit before, and a point counts as
+//! unexplained where rays have passed. Poses are filtered with odometry first.
+
+mod blobs;
+mod map;
+mod tracks;
+
+use super::filter::Filter;
+use super::{Lidar, Observation, Scan};
+use crate::Point;
+use crate::error::PlanError;
+use crate::world::shape::distance;
+use crate::world::{ClearanceField, World};
+use blobs::{Blob, Dot, blobs};
+use map::LocalMap;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use tracks::Tracks;
+
+/// Trust in each observed pose against odometry, 0 to 1.
+const TRUST: f64 = 0.2;
+/// Points this near to what the map shows belong to it, m, and so much more per metre of range (headings are noisy).
+const EXPLAINED: f64 = 0.08;
+const SLANT: f64 = 0.01;
+/// A gap in time beyond this ends all tracks, s.
+const LAPSE: f64 = 1.0;
+/// Speed that anything unexplained may take up, m/s.
+const BOUND: f64 = 1.0;
+
+/// What the static world is, as far as the robot knows.
+enum Still {
+    Given(Arc<World>, Arc<ClearanceField>),
+    Seen(Box<LocalMap>),
+}
+
+/// Turns scans into what controllers see.
+pub struct Eyes {
+    beams: usize,
+    still: Still,
+    filter: Filter,
+    tracks: Tracks,
+    /// Time of the newest good scan, s.
+    last: Option<f64>,
+    /// Time of the newest observation, s.
+    now: f64,
+    scan: Option<Arc<Scan>>,
+    dots: Vec<Dot>,
+    blobs: Vec<Blob>,
+}
+
+impl Eyes {
+    /// Eyes behind a lidar in a world whose static part is known, or (`map_known` false) only its bounds.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for a lidar out of range.
+    pub fn new(lidar: Lidar, world: &Arc<World>, map_known: bool) -> Result<Self, PlanError> {
+        let lidar = lidar.validated()?;
+        let still = if map_known { Still::Given(Arc::clone(world), world.clearance_field()) } else { Still::Seen(Box::new(LocalMap::new(world)?)) };
+        Ok(Self {
+            beams: lidar.beams as usize,
+            still,
+            filter: Filter::new(TRUST),
+            tracks: Tracks::default(),
+            last: None,
+            now: f64::NEG_INFINITY,
+            scan: None,
+            dots: Vec::new(),
+            blobs: Vec::new(),
+        })
+    }
+
+    /// Fills tracks, known world, age and scan of an observation (time, pose and speeds are there) from a new scan, if there is one. A scan with another
+    /// number of rays than the lidar has, with fewer than half of its rays measured, or not newer than the last one, is no look; nor is one at a pose
+    /// that is not finite. When time runs backwards or makes a leap, movers are forgotten and the next scan counts.
+    pub fn look(&mut self, seen: &mut Observation, scan: Option<Scan>) {
+        let finite = seen.time.is_finite() && seen.pose.iter().chain([&seen.v, &seen.w]).all(|v| v.is_finite());
+        if finite {
+            self.clock(seen.time);
+            let mut at = seen.clone();
+            self.filter.apply(&mut at);
+            if let Some(scan) = scan
+                && self.good(&scan, seen.time)
+            {
+                self.take(at.pose, Arc::new(scan));
+            }
+        }
+        seen.age = match self.last {
+            Some(t) if finite => (seen.time - t).abs(),
+            _ => f64::INFINITY,
+        };
+        seen.scan.clone_from(&self.scan);
+        if let Still::Seen(map) = &mut self.still {
+            seen.known = Some(Arc::clone(map.world()));
+        }
+        seen.tracks.clear();
+        seen.tracks.extend(self.tracks.told(seen.time, BOUND));
+    }
+
+    /// Time goes on to `now`; after a leap everything that moves is forgotten.
+    fn clock(&mut self, now: f64) {
+        let dt = now - self.now;
+        if !(0.0..=LAPSE).contains(&dt) && self.now.is_finite() {
+            self.tracks.clear();
+            self.filter = Filter::new(TRUST);
+            self.last = None;
+        }
+        self.now = now;
+    }
+
+    fn good(&self, scan: &Scan, now: f64) -> bool {
+        let fresh = (now - scan.time).abs() <= LAPSE && self.last.is_none_or(|t| scan.time > t);
+        let angles = scan.first.is_finite() && scan.step.is_finite() && scan.step > 0.0;
+        let measured = scan.ranges.iter().filter(|r| **r >= 0.0).count();
+        fresh && angles && scan.range > 0.0 && scan.ranges.len() == self.beams && 2 * measured >= self.beams
+    }
+
+    /// Works a good scan in, taken at `pose`.
+    fn take(&mut self, pose: [f64; 3], scan: Arc<Scan>) {
+        let origin = [pose[0], pose[1]];
+        self.tracks.predict(scan.time);
+        self.unexplained(pose, &scan);
+        let closed = scan.step * self.beams as f64 > TAU - 1.5 * scan.step;
+        blobs(&self.dots, origin, (scan.step, self.beams, closed), &mut self.blobs);
+        let open = |p: Point, radius: f64| {
+            let angle = (p[1] - origin[1]).atan2(p[0] - origin[0]) - pose[2] - scan.first;
+            let ray = (angle.rem_euclid(TAU) / scan.step).round() as usize;
+            scan.ranges.get(ray).is_some_and(|r| *r > distance(p, origin) + radius)
+        };
+        self.tracks.update(&self.blobs, scan.time, open);
+        if let Still::Seen(map) = &mut self.still {
+            settle(map, &mut self.tracks, (&self.dots, &self.blobs));
+        }
+        self.last = Some(scan.time);
+        self.scan = Some(scan);
+    }
+
+    /// Collects the points that the static world does not explain; all others go into the map that is being made.
+    fn unexplained(&mut self, pose: [f64; 3], scan: &Scan) {
+        self.dots.clear();
+        let origin = [pose[0], pose[1]];
+        for (ray, r) in scan.ranges.iter().enumerate().filter(|(_, r)| **r >= 0.0) {
+            let (s, c) = (pose[2] + scan.first + scan.step * ray as f64).sin_cos();
+            let range = r.min(scan.range);
+            let at = [origin[0] + range * c, origin[1] + range * s];
+            let ends = *r <= scan.range;
+            match &mut self.still {
+                Still::Given(world, field) => {
+                    if ends && !explained(world, field, at, range) {
+                        self.dots.push(Dot { ray, at, range });
+                    }
+                }
+                Still::Seen(map) => {
+                    let moving = ends && (self.tracks.cover(at) || map.certainly_free(at));
+                    map.miss(origin, [c, s], range);
+                    if moving {
+                        self.dots.push(Dot { ray, at, range });
+                    } else if ends {
+                        map.hit(at);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Does the map show something at (or beside) a point? Points outside the map are not its business.
+fn explained(world: &World, field: &ClearanceField, at: Point, range: f64) -> bool {
+    let near = EXPLAINED + SLANT * range;
+    let cell = match world.grid() {
+        Some(grid) => grid.cell_at(at),
+        None => world.contains(at).then(|| {
+            let [x0, y0, ..] = world.bounds();
+            let [w, h] = world.cells();
+            let side = world.resolution();
+            [(((at[0] - x0) / side) as u32).min(w - 1), (((at[1] - y0) / side) as u32).min(h - 1)]
+        }),
+    };
+    // The centre of the cell is at most 0.71 sides away.
+    cell.is_none_or(|cell| field.at(cell) < near + 0.71 * world.resolution())
+}
+
+/// What has come to rest becomes part of the map, and no longer counts as a mover.
+fn settle(map: &mut LocalMap, tracks: &mut Tracks, (dots, blobs): (&[Dot], &[Blob])) {
+    tracks.all.retain(|known| {
+        if known.settled() {
+            for blob in blobs.iter().filter(|b| distance(b.center, known.place) < known.radius) {
+                dots[blob.dots[0]..blob.dots[1]].iter().for_each(|d| map.settle(d.at));
+            }
+            return false;
+        }
+        true
+    });
+}
+
+#[cfg(test)]
+mod tests;

@@ -34,7 +34,10 @@ def trace_record(trace: Any) -> dict[str, Any] | None:
         kept = ("found", "remaining")
         found["loop"] = [dict(each) | {key: _rows(each.get(key))[:MOST_REGIONS] for key in kept} for each in _spread(stages, MOST_STAGES)]
     if isinstance(speed := trace.get("speed"), Mapping):
-        found["speed"] = {key: _rows(rows)[:MOST_REGIONS] if key.startswith("regions") else _thin(rows) for key, rows in speed.items()}
+        curves = {key: rows for key, rows in speed.items() if key != "movers"}
+        found["speed"] = {key: _rows(rows)[:MOST_REGIONS] if key.startswith("regions") else _thin(rows) for key, rows in curves.items()}
+        if isinstance(around := speed.get("movers"), Mapping):
+            found["speed"]["movers"] = dict(around)
     if tree := _rows(trace.get("tree")):
         found["tree"] = [[_short(value) for value in edge] for edge in _spread(tree, MOST_EDGES)]
     return found or None

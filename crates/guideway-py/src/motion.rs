@@ -10,6 +10,7 @@ use guideway::drive as core;
 use guideway::error::PlanError;
 use guideway::query::Limits;
 use guideway::refine::{Refiner, Smooth};
+use guideway::timing::movers::{self, Among, Record};
 use guideway::timing::{self, Method, Piece, TimingOptions};
 use guideway::{plan, query};
 use numpy::PyArray2;
@@ -20,6 +21,7 @@ use pyo3::types::PyDict;
 #[pyclass(frozen, module = "guideway")]
 pub struct Trajectory {
     pub inner: timing::Trajectory,
+    pub among: Option<Record>,
 }
 
 #[pymethods]
@@ -29,7 +31,7 @@ impl Trajectory {
     fn new(py: Python<'_>, path: &Path, limits: &Bound<'_, PyAny>, pieces: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (limits, pieces): (Limits, Vec<Piece>) = (from_python("limits", limits)?, from_python("pieces", pieces)?);
         let inner = timing::Trajectory { path: path.on_the_ground(py)?.clone(), pieces, limits: limits.validated().or_py(py)? };
-        Ok(Self { inner })
+        Ok(Self { inner, among: None })
     }
     /// The path it follows.
     #[getter]
@@ -46,6 +48,11 @@ impl Trajectory {
     #[getter]
     fn energy(&self, py: Python<'_>) -> f64 {
         py.detach(|| timing::Drive::default().energy(&self.inner))
+    }
+    /// How it was timed among movers (:func:`time` with `among`), a dictionary: `movers`, `passive`, `delay` (s), `waiting` (s), `tested`; else None.
+    #[getter]
+    fn among<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.among)
     }
     /// In time order, as in `plan.json`.
     #[getter]
@@ -85,8 +92,12 @@ impl Trajectory {
 /// `method`: `time-optimal` (jerk-limited, as fast as curvature, lateral acceleration and turn rate allow), `iascv` (seven-phase S-curves corrected at nodes; see
 /// `correct`) or `trapezoid` (no limit of jerk: its acceleration jumps and it passes no certificate; a baseline). `start_yaw` and `goal_yaw` in rad,
 /// `start_speed` and `end_speed` in m/s.
+///
+/// `among` (a query): the motion keeps the query's radius to the movers of its world at all times, by waiting and slowing down, near the earliest arrival; time 0 is
+/// that of the movers. With `passive`, a full brake after `latency` (s) ends out of reach of the movers wherever it begins; where no motion has that, it is
+/// dropped, and `Trajectory.among` says so. Raises `Infeasible` with the mover and the place where there is no motion.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None, method="time-optimal", start_speed=0.0, end_speed=0.0))]
+#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None, method="time-optimal", start_speed=0.0, end_speed=0.0, among=None, passive=true, latency=0.1))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time(
     py: Python<'_>,
@@ -97,15 +108,21 @@ pub fn time(
     method: &str,
     start_speed: f64,
     end_speed: f64,
+    among: Option<&Query>,
+    passive: bool,
+    latency: f64,
 ) -> PyResult<Trajectory> {
     let limits: Limits = from_python("limits", limits)?;
     let method = Method::named(method).or_py(py)?;
-    let (result, raised) = watched(py, 0, Budget::default(), 1, None, |ctx| {
+    let (result, raised): (Result<_, PlanError>, _) = watched(py, 0, Budget::default(), 1, None, |ctx| {
         let options = TimingOptions { start_yaw, goal_yaw, method, start_speed, end_speed, ..TimingOptions::default() };
-        timing::time(&path.inner, &limits, &options, ctx)
+        let Some(query) = among else { return Ok((timing::time(&path.inner, &limits, &options, ctx)?, None)) };
+        let around = Among { passive, latency, ..Among::new(query.inner.world.movers(), query.inner.radius()) };
+        let timed = movers::among(&path.inner, &limits, &options, &around, ctx)?;
+        Ok((timed.trajectory, Some(timed.record)))
     })?;
     raised.map_or(Ok(()), Err)?;
-    result.map(|inner| Trajectory { inner }).or_py(py)
+    result.map(|(inner, among)| Trajectory { inner, among }).or_py(py)
 }
 
 /// The loop on speed along a path: from the first pass, seven phases over each stretch between stops that know nothing of curvature, to a profile that keeps

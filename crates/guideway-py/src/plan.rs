@@ -58,7 +58,7 @@ impl Solution {
     /// The motion, for planners that plan path and speed at once, else None.
     #[getter]
     fn trajectory(&self) -> Option<crate::motion::Trajectory> {
-        self.inner.trajectory.clone().map(|inner| crate::motion::Trajectory { inner })
+        self.inner.trajectory.clone().map(|inner| crate::motion::Trajectory { inner, among: None })
     }
     /// Length of the raw path, m.
     #[getter]

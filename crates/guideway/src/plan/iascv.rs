@@ -5,7 +5,7 @@
 //! of each stretch between stops, corrected at nodes until the ceiling is kept ([`crate::timing::correct`]). There is no search. The start acceleration of the source
 //! (0.5 m/s2 at rest) is a step of acceleration and is not offered.
 
-use super::{Planner, Solution, search::Visibility};
+use super::{Planner, Solution, among::among_movers, search::Visibility};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::query::Query;
@@ -26,18 +26,20 @@ pub struct Iascv {
     pub stretch: f64,
     /// Bends with a smaller radius stay corners, cells.
     pub smallest: f64,
+    /// The motion keeps the radius of the query to the movers of the world wherever waiting or slowing down is enough for it ([`crate::timing::movers`]).
+    pub movers: bool,
 }
 
 impl Default for Iascv {
     fn default() -> Self {
         let Smooth { max_curvature, stretch, smallest } = Smooth::default();
-        Self { timing: Method::Iascv, max_curvature, stretch, smallest }
+        Self { timing: Method::Iascv, max_curvature, stretch, smallest, movers: true }
     }
 }
 
 impl Planner for Iascv {
     fn plan(&self, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
-        let Self { timing, max_curvature, stretch, smallest } = *self;
+        let Self { timing, max_curvature, stretch, smallest, movers } = *self;
         if timing == Method::Trapezoid {
             return Err(PlanError::bad(
                 "iascv.timing",
@@ -56,8 +58,17 @@ impl Planner for Iascv {
         if timing == Method::TimeOptimal {
             trajectory = timing::time(&refined.path, &query.limits, &options, ctx)?;
         }
+        let around = if movers {
+            let options = TimingOptions { method: timing, ..options };
+            let (found, around) = among_movers(query, trajectory, &options, ctx)?;
+            trajectory = found;
+            around
+        } else {
+            Value::Null
+        };
         let (length, duration) = (refined.path.length(), trajectory.duration());
         let mut trace = trace(&loops, length, &trajectory);
+        trace["speed"]["movers"] = around;
         trace["unmet"] = json!(refined.unmet);
         trace["durations"] = json!({"nodes": by_nodes, "result": duration});
         Ok(Solution { path: refined.path, cells: None, cost: length, trajectory: Some(trajectory), seconds: ctx.seconds(), trace, ..raw })

@@ -1,5 +1,6 @@
 //! Planners: from a query to a path.
 
+mod among;
 pub mod colony;
 pub mod front;
 pub mod homotopy;

@@ -477,6 +477,7 @@ pub const REGISTRY: &[Entry] = &[
             ("max_curvature", "largest curvature, 1/m; met where there is room"),
             ("stretch", "length that a bend may add, share of its legs, 0 to 1"),
             ("smallest", "bends with a smaller radius stay corners, cells"),
+            ("movers", "the motion is timed among the movers of the world, in space and time"),
         ]
     ),
     entry!(

@@ -6,6 +6,7 @@ mod csv;
 mod energy;
 mod jerk_limited;
 mod method;
+pub mod movers;
 mod overspeed;
 mod profile;
 pub mod scurve;
@@ -79,6 +80,11 @@ impl TimingOptions<'_> {
 pub fn stopping_distance(speed: f64, limits: &Limits) -> f64 {
     let (b, j) = (limits.deceleration, limits.jerk);
     if speed * j >= b * b { 0.5 * speed * (speed / b + b / j) } else { speed * (speed / j).sqrt() }
+}
+
+/// Distance in which a motion at `speed` (m/s) stops if the brake takes effect after `latency` (s), m: `v t_lat` and [`stopping_distance`].
+pub fn stop_distance(speed: f64, latency: f64, limits: &Limits) -> f64 {
+    speed * latency + stopping_distance(speed, limits)
 }
 
 /// Highest speed from which the motion stops within `distance` (m), m/s: the inverse of [`stopping_distance`].

@@ -123,4 +123,12 @@ impl Piece {
             Self::Along { duration, .. } | Self::Turn { duration, .. } => *duration,
         }
     }
+
+    /// The same piece later by `dt` (s).
+    #[must_use]
+    pub fn shifted(mut self, dt: f64) -> Self {
+        let (Self::Along { t, .. } | Self::Turn { t, .. }) = &mut self;
+        *t += dt;
+        self
+    }
 }

@@ -22,10 +22,11 @@ use super::{Curves, Settings};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::path::Path;
+use crate::plan::among::among_movers;
 use crate::plan::homotopy::{self, Atlas};
 use crate::plan::{Parameter, Planner, Preset, Solution};
 use crate::query::Query;
-use crate::timing::Method;
+use crate::timing::{Method, TimingOptions};
 use seats::Seats;
 use serde::{Deserialize, Serialize};
 use speed::Track;
@@ -68,6 +69,8 @@ pub struct Aide {
     pub profile: Method,
     /// The lower bound is computed.
     pub bound: bool,
+    /// The motion keeps the radius of the query to the movers of the world wherever waiting or slowing down is enough for it ([`crate::timing::movers`]).
+    pub movers: bool,
 }
 
 /// The parameters, for the registry.
@@ -91,6 +94,7 @@ pub const PARAMETERS: &[Parameter] = &[
     Parameter { name: "feedback", about: "what was too fast narrows the next stage's search" },
     Parameter { name: "profile", about: "speed along the result: time-optimal | iascv | trapezoid" },
     Parameter { name: "bound", about: "a lower bound of the objective is computed" },
+    Parameter { name: "movers", about: "the motion is timed among the movers of the world, in space and time" },
 ];
 
 impl Default for Aide {
@@ -107,6 +111,7 @@ impl Default for Aide {
             feedback: true,
             profile: Method::TimeOptimal,
             bound: true,
+            movers: true,
         }
     }
 }
@@ -124,6 +129,7 @@ impl Aide {
             classes: 0,
             polish: 0,
             profile: Method::Iascv,
+            movers: false,
             ..Self::default()
         }
     }
@@ -183,9 +189,16 @@ impl Aide {
         let fresh = if own.is_none() { Some(Track::new(&outcome.curves, &best.x).ok()?) } else { None };
         let track = own.or(fresh.as_ref())?;
         let (trajectory, speed) = track.motion(query, self.profile, ctx).ok()?;
+        let (trajectory, around) = if self.movers {
+            let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, method: self.profile, ..TimingOptions::default() };
+            among_movers(query, trajectory, &options, ctx).ok()?
+        } else {
+            (trajectory, Seen::Null)
+        };
         let bound = self.bound.then(|| bound::bound(query, &self.settings, atlas.classes[0].length, ctx));
         let history: Vec<(u64, f64)> = ctx.take_history().into_iter().filter(|h| h.1.is_finite()).collect();
-        let trace = record::trace(outcome, (best, &history), (atlas, seats), &speed, bound.as_ref());
+        let mut trace = record::trace(outcome, (best, &history), (atlas, seats), &speed, bound.as_ref());
+        trace["speed"]["movers"] = around;
         Some(Solution {
             path: track.path.clone(),
             cells: None,

@@ -1,0 +1,118 @@
+//! Timing a path among movers whose motion is known: in space and time.
+//!
+//! Where the plain motion meets a mover, a search over states at rest finds the earliest arrival: stations along the path, motions from rest to rest between them at
+//! several speeds, and waiting. Every motion is a known profile, so its separation is proved and not sampled: over an interval of time the robot moves no
+//! farther than its profile says, and the distance to a mover's course is exact; intervals are halved until the proof closes.
+
+mod motions;
+mod safety;
+mod search;
+
+use super::{TimingOptions, Trajectory, time};
+use crate::context::Context;
+use crate::error::PlanError;
+use crate::path::Path;
+use crate::query::Limits;
+use crate::world::Mover;
+use motions::Motions;
+use safety::Safety;
+use serde::Serialize;
+
+/// Delay between a brake being called for and its first effect, s, where nobody says otherwise.
+pub const DEFAULT_LATENCY: f64 = 0.1;
+
+/// What a motion among movers has to keep. Time 0 of the motion is time 0 of the movers.
+#[derive(Debug, Clone, Copy)]
+pub struct Among<'a> {
+    /// Present all the time, whenever they appear; except before the time of [`crate::world::Appears::At`].
+    pub movers: &'a [Mover],
+    /// Distance of the reference point to their outlines, m: circumscribed footprint plus clearance.
+    pub radius: f64,
+    /// Delay of a brake, s.
+    pub latency: f64,
+    /// Wherever the robot is, a full brake along the path ends before any mover could be there that leaves its course at its top speed. Dropped where no motion
+    /// has it, which [`Timed::passive`] says.
+    pub passive: bool,
+}
+
+impl<'a> Among<'a> {
+    /// These movers at that distance (m), with passive safety after [`DEFAULT_LATENCY`].
+    pub fn new(movers: &'a [Mover], radius: f64) -> Self {
+        Self { movers, radius, latency: DEFAULT_LATENCY, passive: true }
+    }
+
+    fn validate(&self) -> Result<(), PlanError> {
+        for (name, value) in [("radius", self.radius), ("latency", self.latency)] {
+            if !(value.is_finite() && (0.0..=1e6).contains(&value)) {
+                return Err(PlanError::bad(name, value, "0 to 1e6"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A motion among movers.
+#[derive(Debug, Clone)]
+pub struct Timed {
+    /// The motion.
+    pub trajectory: Trajectory,
+    /// How it came to be.
+    pub record: Record,
+}
+
+/// How a motion among movers came to be.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Record {
+    /// Movers that were looked at.
+    pub movers: usize,
+    /// Every state can be followed by a full brake that ends out of reach of the movers.
+    pub passive: bool,
+    /// Longer than the motion without movers, s.
+    pub delay: f64,
+    /// Time at rest between its ends except for turns in place, s.
+    pub waiting: f64,
+    /// Motions that were tested.
+    pub tested: u64,
+}
+
+/// The motion along a path that keeps its distance to movers at all times, near the earliest arrival.
+///
+/// The plain motion ([`time`]) where that is enough. What happens after the arrival is not looked at.
+/// # Errors
+/// As [`time`]; [`PlanError::Infeasible`] names the mover and the place where no motion was found; [`PlanError::BadParameter`] for a radius or latency that is
+/// negative, or speeds at the ends that are not zero where the plain motion will not do.
+pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Among, ctx: &mut Context) -> Result<Timed, PlanError> {
+    around.validate()?;
+    let plain = time(path, limits, options, ctx)?;
+    let mut safety = Safety { path, limits: plain.limits, around: *around };
+    let record = Record { movers: around.movers.len(), passive: around.passive, delay: 0.0, waiting: 0.0, tested: 1 };
+    let Some(meeting) = safety.meeting(&plain.pieces, 0.0) else {
+        return Ok(Timed { trajectory: plain, record });
+    };
+    if options.start_speed > 0.0 || options.end_speed > 0.0 {
+        return Err(PlanError::bad(
+            "start_speed, end_speed",
+            format!("{}, {}", options.start_speed, options.end_speed),
+            "0 among movers that are in the way",
+        ));
+    }
+    let horizon = search::horizon(plain.duration());
+    if let Some(closed) = safety.closed(horizon) {
+        return Err(safety.hopeless(&closed, horizon));
+    }
+    let mut motions = Motions::new(&plain, options);
+    let mut tested = 1;
+    let rounds: &[bool] = if around.passive { &[true, false] } else { &[false] };
+    for &passive in rounds {
+        safety.around.passive = passive;
+        if !passive && safety.meeting(&plain.pieces, 0.0).is_none() {
+            return Ok(Timed { trajectory: plain, record: Record { passive, tested, ..record } });
+        }
+        let found = search::earliest(&mut motions, &safety, ctx, &mut tested)?;
+        if let Some(found) = found {
+            let delay = found.trajectory.duration() - plain.duration();
+            return Ok(Timed { trajectory: found.trajectory, record: Record { passive, delay, waiting: found.waiting, tested, ..record } });
+        }
+    }
+    Err(safety.hopeless(&meeting, horizon))
+}

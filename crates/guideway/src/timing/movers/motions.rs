@@ -113,9 +113,9 @@ impl<'a> Motions<'a> {
         let mut out = Vec::new();
         for j in (i + 1..=i + mine).rev() {
             let worth = self.stations[j].s - here.s >= WORTH;
-            for k in 0..if worth { SHARES.len() } else { 1 } {
+            for (k, share) in SHARES.into_iter().enumerate().take(if worth { SHARES.len() } else { 1 }) {
                 let motion = self.known.get(&(i, j, k)).cloned().unwrap_or_else(|| {
-                    let made = self.make((here.s, self.stations[j].s), SHARES[k]);
+                    let made = self.make((here.s, self.stations[j].s), share);
                     self.known.insert((i, j, k), made.clone());
                     made
                 });

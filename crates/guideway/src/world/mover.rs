@@ -144,7 +144,7 @@ impl Mover {
     }
 
     /// The outline around the origin.
-    fn outline(&self) -> Shape {
+    pub(crate) fn outline(&self) -> Shape {
         match self.shape.corners() {
             Some(points) => Shape::Polygon { points },
             None => Shape::Disc { center: [0.0; 2], radius: self.shape.circumscribed() },

@@ -4,9 +4,12 @@
 //! several speeds, and waiting. Every motion is a known profile, so its separation is proved and not sampled: over an interval of time the robot moves no
 //! farther than its profile says, and the distance to a mover's course is exact; intervals are halved until the proof closes.
 
+mod bound;
+mod course;
 mod motions;
 mod safety;
 mod search;
+mod table;
 
 use super::{TimingOptions, Trajectory, time};
 use crate::context::Context;
@@ -14,12 +17,20 @@ use crate::error::PlanError;
 use crate::path::Path;
 use crate::query::Limits;
 use crate::world::Mover;
+use course::Course;
 use motions::Motions;
 use safety::Safety;
+use search::{Found, Search};
 use serde::Serialize;
+use table::Table;
 
 /// Delay between a brake being called for and its first effect, s, where nobody says otherwise.
 pub const DEFAULT_LATENCY: f64 = 0.1;
+
+/// A search looks for a motion that is longer than the plain one by no more than that first, s.
+const SOON: f64 = 15.0;
+/// Cells of the last attempt are so many times as short.
+const FINER: f64 = 4.0;
 
 /// What a motion among movers has to keep. Time 0 of the motion is time 0 of the movers.
 #[derive(Debug, Clone, Copy)]
@@ -84,7 +95,8 @@ pub struct Record {
 pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Among, ctx: &mut Context) -> Result<Timed, PlanError> {
     around.validate()?;
     let plain = time(path, limits, options, ctx)?;
-    let mut safety = Safety { path, limits: plain.limits, around: *around };
+    let courses = around.movers.iter().map(Course::new).collect();
+    let mut safety = Safety { path, limits: plain.limits, around: *around, courses };
     let record = Record { movers: around.movers.len(), passive: around.passive, delay: 0.0, waiting: 0.0, tested: 1 };
     let Some(meeting) = safety.meeting(&plain.pieces, 0.0) else {
         return Ok(Timed { trajectory: plain, record });
@@ -96,11 +108,11 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
             "0 among movers that are in the way",
         ));
     }
-    let horizon = search::horizon(plain.duration());
+    let horizon = 4.0 * plain.duration() + 60.0;
     if let Some(closed) = safety.closed(horizon) {
         return Err(safety.hopeless(&closed, horizon));
     }
-    let mut motions = Motions::new(&plain, options);
+    let motions = Motions::new(&plain, options);
     let mut tested = 1;
     let rounds: &[bool] = if around.passive { &[true, false] } else { &[false] };
     for &passive in rounds {
@@ -108,11 +120,24 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
         if !passive && safety.meeting(&plain.pieces, 0.0).is_none() {
             return Ok(Timed { trajectory: plain, record: Record { passive, tested, ..record } });
         }
-        let found = search::earliest(&mut motions, &safety, ctx, &mut tested)?;
-        if let Some(found) = found {
+        if let Some(found) = earliest(&motions, &safety, horizon, (ctx, &mut tested))? {
             let delay = found.trajectory.duration() - plain.duration();
             return Ok(Timed { trajectory: found.trajectory, record: Record { passive, delay, waiting: found.waiting, tested, ..record } });
         }
     }
     Err(safety.hopeless(&meeting, horizon))
+}
+
+/// The search with cells of the path and moments that are coarse first: near in time, then up to the horizon (s), then fine.
+fn earliest(motions: &Motions, safety: &Safety, horizon: f64, (ctx, tested): (&mut Context, &mut u64)) -> Result<Option<Found>, PlanError> {
+    let soon = motions.plain.duration() + SOON;
+    for (until, finer) in [(soon, 1.0), (horizon, 1.0), (horizon, FINER)] {
+        let table = Table::new(safety.path, &safety.courses, safety.around.radius, until, finer);
+        let found = Search::new(motions, safety, &table).run(ctx, tested)?;
+        // The proof that does not rest on the table.
+        if let Some(found) = found.filter(|f| safety.meeting(&f.trajectory.pieces, 0.0).is_none()) {
+            return Ok(Some(found));
+        }
+    }
+    Ok(None)
 }

@@ -1,18 +1,22 @@
 //! Whether a motion keeps its distance to movers, and whether it can be broken off.
 
 use super::Among;
+use super::course::Course;
+use super::motions::Motion;
 use crate::Point;
 use crate::error::PlanError;
 use crate::path::Path;
 use crate::query::Limits;
 use crate::timing::Piece;
 use crate::timing::scurve::{Bounds, State1, advance, transition};
-use crate::world::{Appears, Mover};
+use crate::world::shape::{norm, sub};
 
 /// Intervals shorter than this are not halved again, s: what is not proved by then counts as too near.
 const MOMENT: f64 = 1e-4;
 /// Spacing of the states from which a brake is tried, s, and the places looked at along a brake.
-const BRAKES: (f64, usize) = (0.05, 4);
+const BRAKES: (f64, usize) = (0.05, 6);
+/// A search keeps that much more to movers wherever it brakes, m, for what lies between the states that it looks at.
+const SPARE: f64 = 0.02;
 
 /// Spacing of the places (m) and moments (s) that are looked at for a place that is never free.
 const PLACES: f64 = 0.05;
@@ -23,6 +27,16 @@ pub(super) struct Safety<'a> {
     pub path: &'a Path,
     pub limits: Limits,
     pub around: Among<'a>,
+    pub courses: Vec<Course<'a>>,
+}
+
+/// A brake that is called for at one time of a motion.
+#[derive(Debug, Clone)]
+pub(super) struct Brake {
+    /// When it is called for, s after the start of the motion.
+    called: f64,
+    /// Where the brake takes effect and some places on the way to rest: time since it was called for (s), arc length (m), place (m).
+    marks: Vec<(f64, f64, Point)>,
 }
 
 /// Where and when a motion is too near to a mover.
@@ -48,6 +62,11 @@ pub(super) fn state(pieces: &[Piece], x: f64) -> Kinetic {
     }
 }
 
+/// States of a motion of that duration (s) from which a brake is tried.
+fn brakes(total: f64) -> usize {
+    (total / BRAKES.0).ceil().max(1.0) as usize
+}
+
 /// Total time of pieces, s.
 pub(super) fn duration(pieces: &[Piece]) -> f64 {
     pieces.first().zip(pieces.last()).map_or(0.0, |(a, b)| b.start() + b.duration() - a.start())
@@ -60,17 +79,18 @@ impl Safety<'_> {
 
     /// The mover that comes too near to a point at rest between two times (s), if any; `reach` (m) more is kept.
     fn nearby(&self, p: Point, (t0, t1): (f64, f64), reach: f64) -> Option<usize> {
-        let near = |mover: &Mover| match mover.appears {
-            Some(Appears::At(from)) if t1 < from => false,
-            Some(Appears::At(from)) => mover.least_distance(p, t0.max(from), t1) < self.around.radius + reach,
-            _ => mover.least_distance(p, t0, t1) < self.around.radius + reach,
+        let kept = self.around.radius + reach;
+        let near = |course: &Course| {
+            let from = t0.max(course.from);
+            // The point cannot be reached by whoever is that far away.
+            course.present(t1) && (course.far(p, from, t1) < kept && course.mover.least_distance(p, from, t1) < kept)
         };
-        self.around.movers.iter().position(near)
+        self.courses.iter().position(near)
     }
 
-    /// Whether a robot at rest at `s` (m) is left alone between two times (s).
-    pub fn rests(&self, s: f64, span: (f64, f64)) -> bool {
-        self.nearby(self.point(s), span, 0.0).is_none()
+    /// As [`Safety::nearby`], at one time (s).
+    fn touched(&self, p: Point, t: f64, reach: f64) -> Option<usize> {
+        self.courses.iter().position(|c| c.present(t) && c.distance(p, t) < self.around.radius + reach)
     }
 
     /// A place on the path that is never free at the moments looked at until the horizon (s): no motion passes it.
@@ -81,14 +101,14 @@ impl Safety<'_> {
             let s = self.path.length() * k as f64 / places as f64;
             let p = self.point(s);
             // Half a step apart from a moment, a mover is nearer by no more than its way since.
-            let taken = |k: usize| self.nearby(p, (MOMENTS * k as f64, MOMENTS * k as f64), -0.5 * MOMENTS * self.top_speed());
+            let taken = |k: usize| self.touched(p, MOMENTS * k as f64, -0.5 * MOMENTS * self.top_speed());
             let mover = taken(0)?;
             (1..=moments).all(|k| taken(k).is_some()).then_some(Meeting { mover, s, t: horizon })
         })
     }
 
     fn top_speed(&self) -> f64 {
-        self.around.movers.iter().map(Mover::top_speed).fold(0.0, f64::max)
+        self.courses.iter().map(|c| c.speed).fold(0.0, f64::max)
     }
 
     /// Where pieces that begin at time `start` (s) first fail, `None` if nowhere.
@@ -99,7 +119,7 @@ impl Safety<'_> {
         let instants = (0..=n).map(|k| total * f64::from(k) / f64::from(n));
         let quick = instants.into_iter().find_map(|x| {
             let s = state(pieces, x).0;
-            self.nearby(self.point(s), (start + x, start + x), 0.0).map(|mover| Meeting { mover, s, t: start + x })
+            self.touched(self.point(s), start + x, 0.0).map(|mover| Meeting { mover, s, t: start + x })
         });
         quick.or_else(|| self.too_near(pieces, start, (0.0, total))).or_else(|| self.stranded(pieces, start, total))
     }
@@ -112,7 +132,7 @@ impl Safety<'_> {
         let p = self.point(s);
         let slack = (s - first).max(last - s).max(0.0);
         let mover = self.nearby(p, (start + from, start + to), slack)?;
-        if to - from < MOMENT || self.nearby(p, (start + middle, start + middle), 0.0).is_some() {
+        if to - from < MOMENT || self.touched(p, start + middle, 0.0).is_some() {
             return Some(Meeting { mover, s, t: start + middle });
         }
         self.too_near(pieces, start, (from, middle)).or_else(|| self.too_near(pieces, start, (middle, to)))
@@ -123,26 +143,60 @@ impl Safety<'_> {
         if !self.around.passive {
             return None;
         }
-        let n = (total / BRAKES.0).ceil().max(1.0) as usize;
-        (0..n).find_map(|k| self.brake(pieces, start, total * k as f64 / n as f64))
+        let at = |x: f64| state(pieces, x);
+        let brakes = (0..brakes(total)).filter_map(|k| self.brake(BRAKES.0 * k as f64, &at, total));
+        brakes.into_iter().find_map(|brake| {
+            let mover = self.unsafe_of(&brake, start, 0.0)?;
+            Some(Meeting { mover, s: brake.marks[0].1, t: start + brake.called })
+        })
     }
 
-    /// A brake called for `x` seconds after the start: the motion goes on for the latency, then comes to rest as fast as it can. Seen from now, every mover may
-    /// go anywhere at its top speed.
-    fn brake(&self, pieces: &[Piece], start: f64, x: f64) -> Option<Meeting> {
-        let now = start + x;
-        let (s, v, a) = state(pieces, x + self.around.latency);
-        let profile = transition(State1 { v, a }, State1 { v: 0.0, a: 0.0 }, &Bounds::from(&self.limits))?;
+    /// The brakes of a motion that has another one before and after it.
+    pub fn brakes(&self, motion: &Motion) -> Vec<Brake> {
+        let at = |x: f64| motion.state(x);
+        (0..brakes(motion.duration)).filter_map(|k| self.brake(BRAKES.0 * k as f64, &at, motion.duration)).collect()
+    }
+
+    /// A brake called for `x` seconds after the start of a motion that lasts `total` (s): the motion goes on for the latency, at its last speed if it ends, then comes to
+    /// rest as fast as it can. `None` if it is at rest by then: a robot that stands has done what it can.
+    fn brake(&self, x: f64, at: &dyn Fn(f64) -> (f64, f64, f64), total: f64) -> Option<Brake> {
+        let latency = self.around.latency;
+        let (s, v, a) = at((x + latency).min(total));
+        let s = s + v * (x + latency - total).max(0.0);
+        let profile = transition(State1 { v, a }, State1 { v: 0.0, a: 0.0 }, &Bounds::from(&self.limits)).filter(|_| v > 0.0)?;
         let time = profile.duration();
-        (1..=BRAKES.1).find_map(|k| {
+        let mark = |k: usize| {
             let part = time * k as f64 / BRAKES.1 as f64;
             let s = s + profile.at(part).0;
-            let p = self.point(s);
-            let within = |m: &Mover| m.distance(p, now) - m.top_speed() * (self.around.latency + part) < self.around.radius;
-            let present = |m: &Mover| !matches!(m.appears, Some(Appears::At(from)) if from > now + self.around.latency + part);
-            // A robot that has come to rest where it stands has done what it can.
-            let mover = self.around.movers.iter().position(|m| v > 0.0 && present(m) && within(m))?;
-            Some(Meeting { mover, s, t: now })
+            (latency + part, s, self.point(s))
+        };
+        Some(Brake { called: x, marks: (0..=BRAKES.1).map(mark).collect() })
+    }
+
+    /// Whether a brake of a motion that begins at time `start` (s) ends out of reach of the movers, with something to spare.
+    pub fn ends_well(&self, brake: &Brake, start: f64) -> bool {
+        self.unsafe_of(brake, start, SPARE).is_none()
+    }
+
+    /// The mover that might be nearer than allowed somewhere along a brake. Seen from when the brake is called for, it may go anywhere at its top speed.
+    fn unsafe_of(&self, brake: &Brake, start: f64, spare: f64) -> Option<usize> {
+        let now = start + brake.called;
+        let (first, last) = (brake.marks.first()?, brake.marks.last()?);
+        let kept = self.around.radius + spare;
+        self.courses.iter().position(|course| {
+            if !course.present(now + last.0) {
+                return false;
+            }
+            let whole = norm(sub(first.2, course.at(now))) - course.reach - (last.1 - first.1) - course.speed * last.0;
+            whole < kept && {
+                // Between two marks the distance is no less than what both allow.
+                let left: Vec<f64> = brake.marks.iter().map(|(t, _, p)| course.distance(*p, now) - course.speed * t).collect();
+                let between = |k: usize| {
+                    let ((t0, s0, _), (t1, s1, _)) = (brake.marks[k], brake.marks[k + 1]);
+                    0.5 * (left[k] + left[k + 1] - (s1 - s0) - course.speed * (t1 - t0))
+                };
+                (0..left.len() - 1).any(|k| between(k) < kept)
+            }
         })
     }
 

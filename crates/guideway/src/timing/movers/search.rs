@@ -1,22 +1,17 @@
-//! The earliest arrival: A* over (station, time).
+//! The earliest arrival: A* over (node, time).
 
-use super::motions::{Motion, Motions};
-use super::safety::{Safety, duration};
+use super::bound::{Bound, STEP, bin};
+use super::motions::Motions;
+use super::safety::{Brake, Safety};
+use super::table::{Passage, Table};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::timing::{Piece, Trajectory};
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
-/// Step of waiting, s.
-const STEP: f64 = 0.1;
 /// Most motions that are tested.
-const MOST: u64 = 1_000_000;
-
-/// Until when a search looks, s, if the plain motion takes `plain` s.
-pub(super) fn horizon(plain: f64) -> f64 {
-    4.0 * plain + 60.0
-}
+const MOST: u64 = 400_000;
 
 /// What a search found.
 pub(super) struct Found {
@@ -25,20 +20,20 @@ pub(super) struct Found {
     pub waiting: f64,
 }
 
-/// A state at rest that can be reached.
-struct Node {
-    station: usize,
+/// A state that can be reached.
+struct Reached {
+    node: usize,
     t: f64,
-    /// The state before, and the motion from there; none for waiting.
-    before: Option<(usize, Option<Motion>)>,
+    /// The state before, and the number of the motion from there; none for waiting.
+    before: Option<(usize, Option<usize>)>,
 }
 
-/// Nodes in the order of the earliest arrival they may lead to; the farther one of equals first.
+/// States in the order of the earliest arrival they may lead to; the farther one of equals first.
 #[derive(PartialEq)]
 struct Open {
     least: f64,
-    station: usize,
     node: usize,
+    state: usize,
 }
 
 impl Eq for Open {}
@@ -51,98 +46,139 @@ impl PartialOrd for Open {
 
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.least.total_cmp(&self.least).then(self.station.cmp(&other.station)).then(other.node.cmp(&self.node))
+        other.least.total_cmp(&self.least).then(self.node.cmp(&other.node)).then(other.state.cmp(&self.state))
     }
 }
 
-/// The tree of a search.
-struct Tree {
-    nodes: Vec<Node>,
+/// What is known of a motion before it is tested at a time.
+#[derive(Clone, Default)]
+struct Known {
+    passage: Option<Passage>,
+    brakes: Option<Vec<Brake>>,
+}
+
+/// A search among movers.
+pub(super) struct Search<'a> {
+    motions: &'a Motions<'a>,
+    safety: &'a Safety<'a>,
+    table: &'a Table,
+    bound: Bound,
+    known: Vec<Known>,
+    states: Vec<Reached>,
     open: BinaryHeap<Open>,
-    /// Earliest time (s) by station and step of time.
-    reached: HashMap<(usize, u64), f64>,
-    horizon: f64,
+    /// Earliest time (s) by node and step of time.
+    earliest: Vec<Vec<f64>>,
 }
 
-fn bin(t: f64) -> u64 {
-    (t / STEP) as u64
-}
+impl<'a> Search<'a> {
+    pub fn new(motions: &'a Motions<'a>, safety: &'a Safety<'a>, table: &'a Table) -> Self {
+        let bins = bin(table.horizon) + 2;
+        Self {
+            motions,
+            safety,
+            table,
+            bound: Bound::new(motions, table),
+            known: vec![Known::default(); motions.motions.len()],
+            states: Vec::new(),
+            open: BinaryHeap::new(),
+            earliest: vec![vec![f64::INFINITY; bins]; motions.nodes.len()],
+        }
+    }
 
-impl Tree {
+    /// The earliest arrival, `None` if there is none within the horizon (or the bound on tests).
+    pub fn run(mut self, ctx: &mut Context, tested: &mut u64) -> Result<Option<Found>, PlanError> {
+        let goal = self.motions.nodes.len() - 1;
+        self.reach(Reached { node: 0, t: 0.0, before: None });
+        let most = *tested + MOST;
+        while let Some(Open { node, state, .. }) = self.open.pop() {
+            if node == goal {
+                return Ok(Some(self.trace(state)));
+            }
+            match ctx.poll() {
+                Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
+                Some(_) => return Ok(None),
+                None if *tested > most => return Ok(None),
+                None => {}
+            }
+            let t = self.states[state].t;
+            if self.earliest[node][bin(t)] >= t {
+                self.leave(node, state, t, tested);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whatever can follow a state.
+    fn leave(&mut self, node: usize, state: usize, t: f64, tested: &mut u64) {
+        let motions = self.motions;
+        let here = &motions.nodes[node];
+        let next = (bin(t) + 1) as f64 * STEP;
+        // Rounding may leave a moment in the same step.
+        let next = if next > t { next } else { next + STEP };
+        if here.speed == 0.0 && self.wants(node, next) && self.table.free(self.table.cell(here.s), t, next) {
+            self.reach(Reached { node, t: next, before: Some((state, None)) });
+        }
+        for &(to, motion) in &here.next {
+            let arrival = t + motions.motions[motion].duration;
+            if self.wants(to, arrival) {
+                *tested += 1;
+                if self.possible(motion, t) {
+                    self.reach(Reached { node: to, t: arrival, before: Some((state, Some(motion))) });
+                }
+            }
+        }
+    }
+
     /// Whether an arrival is of use.
-    fn wants(&self, station: usize, t: f64) -> bool {
-        t <= self.horizon && self.reached.get(&(station, bin(t))).is_none_or(|known| t < *known)
+    fn wants(&self, node: usize, t: f64) -> bool {
+        t < self.table.horizon && t < self.earliest[node][bin(t)] && self.bound.arrival(self.motions.nodes[node].station, t).is_finite()
     }
 
-    fn add(&mut self, node: Node, remaining: f64) {
-        self.reached.insert((node.station, bin(node.t)), node.t);
-        self.open.push(Open { least: node.t + remaining, station: node.station, node: self.nodes.len() });
-        self.nodes.push(node);
+    fn reach(&mut self, reached: Reached) {
+        let Reached { node, t, .. } = reached;
+        let here = &self.motions.nodes[node];
+        self.earliest[node][bin(t)] = t;
+        let least = (t + here.remaining).max(self.bound.arrival(here.station, t));
+        if least.is_finite() {
+            self.open.push(Open { least, node, state: self.states.len() });
+            self.states.push(reached);
+        }
     }
-}
 
-/// The earliest arrival, `None` if there is none within the horizon (or the bound on tests).
-pub(super) fn earliest(motions: &mut Motions, safety: &Safety, ctx: &mut Context, tested: &mut u64) -> Result<Option<Found>, PlanError> {
-    let (Some(first), goal) = (motions.stations.first().copied(), motions.stations.len().saturating_sub(1)) else { return Ok(None) };
-    let mut tree = Tree { nodes: Vec::new(), open: BinaryHeap::new(), reached: HashMap::new(), horizon: horizon(motions.plain.duration()) };
-    tree.add(Node { station: 0, t: 0.0, before: None }, first.remaining);
-    let most = *tested + MOST;
-    while let Some(Open { node, station, .. }) = tree.open.pop() {
-        if station == goal {
-            return Ok(Some(trace(&tree, node, motions)));
+    fn possible(&mut self, motion: usize, t: f64) -> bool {
+        let (made, known) = (&self.motions.motions[motion], &mut self.known[motion]);
+        let passage = known.passage.get_or_insert_with(|| made.passage(self.table));
+        if !self.table.lets(passage, t) {
+            return false;
         }
-        match ctx.poll() {
-            Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
-            Some(_) => return Ok(None),
-            None if *tested > most => return Ok(None),
-            None => {}
+        !self.safety.around.passive || known.brakes.get_or_insert_with(|| self.safety.brakes(made)).iter().all(|b| self.safety.ends_well(b, t))
+    }
+
+    /// The motion that leads to a state. Steps of waiting in a row become one piece: a turn by nothing.
+    fn trace(&self, mut state: usize) -> Found {
+        let mut parts = Vec::new();
+        while let Some((before, motion)) = self.states[state].before {
+            parts.push((before, motion, state));
+            state = before;
         }
-        let t = tree.nodes[node].t;
-        if tree.reached.get(&(station, bin(t))).is_some_and(|known| *known < t) {
-            continue;
-        }
-        let (here, next) = (motions.stations[station], (bin(t) + 1) as f64 * STEP);
-        if tree.wants(station, next) && safety.rests(here.s, (t, next)) {
-            tree.add(Node { station, t: next, before: Some((node, None)) }, here.remaining);
-        }
-        for (to, motion) in motions.from(station) {
-            let arrival = t + duration(&motion);
-            if !tree.wants(to, arrival) {
+        let (mut pieces, mut t, mut waiting) = (Vec::<Piece>::new(), 0.0, 0.0);
+        for (before, motion, after) in parts.into_iter().rev() {
+            if let Some(motion) = motion {
+                for piece in &self.motions.motions[motion].pieces {
+                    pieces.push(piece.shifted(t - piece.start()));
+                    t += piece.duration();
+                }
                 continue;
             }
-            *tested += 1;
-            if safety.meeting(&motion, t).is_none() {
-                tree.add(Node { station: to, t: arrival, before: Some((node, Some(motion))) }, motions.stations[to].remaining);
+            let (node, pause) = (&self.motions.nodes[self.states[after].node], self.states[after].t - self.states[before].t);
+            match pieces.last_mut() {
+                Some(Piece::Turn { turn, duration, .. }) if *turn == 0.0 => *duration += pause,
+                _ => pieces.push(Piece::Turn { turn: 0.0, t, duration: pause, s: node.s, from: node.heading }),
             }
+            t += pause;
+            waiting += pause;
         }
+        let plain = self.motions.plain;
+        Found { trajectory: Trajectory { path: plain.path.clone(), pieces, limits: plain.limits }, waiting }
     }
-    Ok(None)
-}
-
-/// The motion that leads to a node. Steps of waiting in a row become one piece: a turn by nothing.
-fn trace(tree: &Tree, mut node: usize, motions: &Motions) -> Found {
-    let mut parts = Vec::new();
-    while let Some((before, motion)) = &tree.nodes[node].before {
-        parts.push((*before, motion, node));
-        node = *before;
-    }
-    let (mut pieces, mut t, mut waiting) = (Vec::<Piece>::new(), 0.0, 0.0);
-    for (before, motion, after) in parts.into_iter().rev() {
-        if let Some(motion) = motion {
-            for piece in motion.iter() {
-                pieces.push(piece.shifted(t - piece.start()));
-                t += piece.duration();
-            }
-            continue;
-        }
-        let (station, pause) = (motions.stations[tree.nodes[after].station], tree.nodes[after].t - tree.nodes[before].t);
-        match pieces.last_mut() {
-            Some(Piece::Turn { turn, duration, .. }) if *turn == 0.0 => *duration += pause,
-            _ => pieces.push(Piece::Turn { turn: 0.0, t, duration: pause, s: station.s, from: station.heading }),
-        }
-        t += pause;
-        waiting += pause;
-    }
-    let plain = motions.plain;
-    Found { trajectory: Trajectory { path: plain.path.clone(), pieces, limits: plain.limits }, waiting }
 }

@@ -5,11 +5,15 @@
 //! of each stretch between stops, corrected at nodes until the ceiling is kept ([`crate::timing::correct`]). There is no search. The start acceleration of the source
 //! (0.5 m/s2 at rest) is a step of acceleration and is not offered.
 
-use super::{Planner, Solution, among::among_movers, search::Visibility};
+use super::among::{WAYS, among_movers, at_least};
+use super::homotopy::{Class, classes};
+use super::search::Visibility;
+use super::{Planner, Solution};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
+use crate::path::Path;
 use crate::query::Query;
-use crate::refine::{Refiner, Smooth};
+use crate::refine::{Refined, Refiner, Smooth};
 use crate::timing::{self, Loop, Method, SpeedTrace, TimingOptions, Trajectory, overspeed};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -26,7 +30,8 @@ pub struct Iascv {
     pub stretch: f64,
     /// Bends with a smaller radius stay corners, cells.
     pub smallest: f64,
-    /// The motion keeps the radius of the query to the movers of the world wherever waiting or slowing down is enough for it ([`crate::timing::movers`]).
+    /// The motion keeps the radius of the query to the movers of the world, by waiting, slowing down or another way past the obstacles, wherever that is possible
+    /// ([`crate::timing::movers`]).
     pub movers: bool,
 }
 
@@ -51,27 +56,48 @@ impl Planner for Iascv {
         if raw.stop == Stop::Cancelled {
             return Ok(raw);
         }
-        let refined = Smooth { max_curvature, stretch, smallest }.refine(&raw.path, query, ctx)?;
-        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..TimingOptions::default() };
-        let (mut trajectory, loops) = timing::corrected(&refined.path, &query.limits, &options, ctx)?;
-        let by_nodes = trajectory.duration();
-        if timing == Method::TimeOptimal {
-            trajectory = timing::time(&refined.path, &query.limits, &options, ctx)?;
-        }
-        let around = if movers {
-            let options = TimingOptions { method: timing, ..options };
-            let (found, around) = among_movers(query, trajectory, &options, ctx)?;
-            trajectory = found;
-            around
+        let smooth = Smooth { max_curvature, stretch, smallest };
+        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, method: timing, ..TimingOptions::default() };
+        let (first, plain) = Way::new(&raw.path, &smooth, query, &options, ctx)?;
+        let (way, trajectory, around) = if movers {
+            let mut known: Option<Vec<Class>> = None;
+            let mut make = |k: usize, below: f64, ctx: &mut Context| {
+                let all = known.get_or_insert_with(|| classes(query, WAYS, ctx).unwrap_or_default());
+                let class = all.get(k).filter(|class| at_least(class.length, query) < below)?;
+                Way::new(&Path::polyline(&class.points), &smooth, query, &options, ctx).ok()
+            };
+            among_movers(query, (first, plain), &options, &mut make, ctx)?
         } else {
-            Value::Null
+            (first, plain, Value::Null)
         };
+        let Way { refined, loops, by_nodes } = way;
         let (length, duration) = (refined.path.length(), trajectory.duration());
         let mut trace = trace(&loops, length, &trajectory);
         trace["speed"]["movers"] = around;
         trace["unmet"] = json!(refined.unmet);
         trace["durations"] = json!({"nodes": by_nodes, "result": duration});
         Ok(Solution { path: refined.path, cells: None, cost: length, trajectory: Some(trajectory), seconds: ctx.seconds(), trace, ..raw })
+    }
+}
+
+/// A rounded path and the loop on its speed.
+struct Way {
+    refined: Refined,
+    loops: Vec<Loop>,
+    /// Duration of the corrected motion, s.
+    by_nodes: f64,
+}
+
+impl Way {
+    /// With its motion.
+    fn new(raw: &Path, smooth: &Smooth, query: &Query, options: &TimingOptions, ctx: &mut Context) -> Result<(Self, Trajectory), PlanError> {
+        let refined = smooth.refine(raw, query, ctx)?;
+        let (mut trajectory, loops) = timing::corrected(&refined.path, &query.limits, options, ctx)?;
+        let by_nodes = trajectory.duration();
+        if options.method == Method::TimeOptimal {
+            trajectory = timing::time(&refined.path, &query.limits, options, ctx)?;
+        }
+        Ok((Self { refined, loops, by_nodes }, trajectory))
     }
 }
 

@@ -12,6 +12,7 @@ mod record;
 mod seats;
 mod speed;
 mod stages;
+mod ways;
 #[cfg(test)]
 mod tests;
 
@@ -22,15 +23,14 @@ use super::{Curves, Settings};
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::path::Path;
-use crate::plan::among::among_movers;
 use crate::plan::homotopy::{self, Atlas};
 use crate::plan::{Parameter, Planner, Preset, Solution};
 use crate::query::Query;
-use crate::timing::{Method, TimingOptions};
+use crate::timing::Method;
 use seats::Seats;
 use serde::{Deserialize, Serialize};
-use speed::Track;
 use stages::Outcome;
+use ways::Driven;
 
 /// A part of the trace.
 type Seen = serde_json::Value;
@@ -69,7 +69,8 @@ pub struct Aide {
     pub profile: Method,
     /// The lower bound is computed.
     pub bound: bool,
-    /// The motion keeps the radius of the query to the movers of the world wherever waiting or slowing down is enough for it ([`crate::timing::movers`]).
+    /// The motion keeps the radius of the query to the movers of the world, by waiting, slowing down or another way past the obstacles, wherever that is possible
+    /// ([`crate::timing::movers`]).
     pub movers: bool,
 }
 
@@ -166,10 +167,10 @@ impl Planner for Aide {
         if exact.cost == 0.0 {
             return follow(query, &self.settings, &exact, ctx);
         }
-        let seats = self.begin(query, (&atlas, &exact), ctx)?;
+        let mut seats = self.begin(query, (&atlas, &exact), ctx)?;
         let plain = if seats.seats.is_empty() { Some(Curves::new(query, &self.settings)?) } else { None };
-        let outcome = stages::run(self, &seats, plain.as_ref(), ctx)?;
-        if let Some(solution) = self.solution(query, &atlas, &seats, &outcome, ctx) {
+        let mut outcome = stages::run(self, &seats, plain.as_ref(), ctx)?;
+        if let Some(solution) = self.solution(query, &atlas, &mut seats, &mut outcome, ctx)? {
             return Ok(Solution { evaluations: ctx.evaluations() - before, ..solution });
         }
         let evaluations = ctx.evaluations() - before;
@@ -183,24 +184,25 @@ impl Planner for Aide {
 
 impl Aide {
     /// The result, if a free curve was found and can be driven.
-    fn solution(&self, query: &Query, atlas: &Atlas, seats: &Seats, outcome: &Outcome, ctx: &mut Context) -> Option<Solution> {
-        let best = outcome.best.as_ref().filter(|best| best.cost.feasible())?;
-        let own = outcome.track.as_ref().filter(|track| track.is_of(&best.x));
-        let fresh = if own.is_none() { Some(Track::new(&outcome.curves, &best.x).ok()?) } else { None };
-        let track = own.or(fresh.as_ref())?;
-        let (trajectory, speed) = track.motion(query, self.profile, ctx).ok()?;
-        let (trajectory, around) = if self.movers {
-            let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, method: self.profile, ..TimingOptions::default() };
-            among_movers(query, trajectory, &options, ctx).ok()?
-        } else {
-            (trajectory, Seen::Null)
-        };
+    fn solution(
+        &self,
+        query: &Query,
+        atlas: &Atlas,
+        seats: &mut Seats,
+        outcome: &mut Outcome,
+        ctx: &mut Context,
+    ) -> Result<Option<Solution>, PlanError> {
+        let Some(first) = Driven::best(self, query, outcome, ctx) else { return Ok(None) };
+        let (driven, trajectory, around) =
+            if self.movers { ways::among(self, query, first, (atlas, seats), ctx)? } else { (first.0, first.1, Seen::Null) };
+        let Driven { curves, best, track, speed } = driven;
+        outcome.curves = curves;
         let bound = self.bound.then(|| bound::bound(query, &self.settings, atlas.classes[0].length, ctx));
         let history: Vec<(u64, f64)> = ctx.take_history().into_iter().filter(|h| h.1.is_finite()).collect();
-        let mut trace = record::trace(outcome, (best, &history), (atlas, seats), &speed, bound.as_ref());
+        let mut trace = record::trace(outcome, (&best, &history), (atlas, seats), &speed, bound.as_ref());
         trace["speed"]["movers"] = around;
-        Some(Solution {
-            path: track.path.clone(),
+        Ok(Some(Solution {
+            path: track.path,
             cells: None,
             cost: best.cost.value,
             trajectory: Some(trajectory),
@@ -211,6 +213,6 @@ impl Aide {
             history,
             trace,
             memory: None,
-        })
+        }))
     }
 }

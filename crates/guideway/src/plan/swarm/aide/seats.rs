@@ -7,7 +7,7 @@ use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::optimize::Objective;
 use crate::plan::Solution;
-use crate::plan::homotopy::Atlas;
+use crate::plan::homotopy::{Atlas, Class};
 use crate::plan::swarm::Curves;
 use crate::plan::swarm::spline::{layout, legs, lines, seed};
 use crate::query::Query;
@@ -67,6 +67,18 @@ pub(super) fn place(aide: &Aide, query: &Query, (atlas, exact): (&Atlas, &Soluti
     all.sort();
     all.improve(aide, ctx)?;
     Ok(all)
+}
+
+/// The seat of a class with a free candidate; made if there is none so far.
+pub(super) fn of_class<'a>(aide: &Aide, query: &Query, (number, class): (usize, &Class), seats: &'a mut Seats, ctx: &mut Context) -> Option<&'a Seat> {
+    for growth in GROWTH {
+        if seats.free(number) || ctx.spent().is_some() {
+            break;
+        }
+        let curves = along(aide, query, (&class.points, growth), ctx.seed()).ok()?;
+        seats.take(aide, number, curves, ctx).ok()?;
+    }
+    seats.seats.iter().find(|s| s.class == number && s.best.cost.feasible())
 }
 
 /// Curves for a line, with a candidate along it.

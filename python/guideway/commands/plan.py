@@ -234,6 +234,7 @@ def summary(record: dict[str, Any]) -> str:
     lines.append(f"path         {metrics['length']:.3f} m, {metrics['turns']} turns, {curvature}, {clearance}")
     if record["trajectory"]:
         lines.append(f"motion       {record['trajectory']['duration']:.2f} s in {len(record['trajectory']['pieces'])} pieces")
+    lines.extend(_movers(record.get("trace") or {}))
     lines.append(f"certificate  {'ok' if record['certificate']['ok'] else 'FAILED'}: {len(record['certificate']['checks'])} checks")
     if "alternatives" in record:
         lines.extend(alternatives.table(record))
@@ -249,6 +250,19 @@ def _objective(trace: dict[str, Any]) -> list[str]:
         return []
     known = f", {100 * bound['gap']:.2f} % above a lower bound of {bound['lower']:.4f}" if bound.get("gap") is not None else ""
     return [f"objective    {objective['value']:.4f}{known}"]
+
+
+def _movers(trace: dict[str, Any]) -> list[str]:
+    """Which movers the motion keeps off, or why none, for planners that look at them."""
+    told = (trace.get("speed") or {}).get("movers")
+    if not isinstance(told, dict):
+        return []
+    count = f"{told['movers']} {'mover' if told['movers'] == 1 else 'movers'}"
+    if not told["timed"]:
+        return [f"movers       NOT KEPT OFF: the motion knows nothing of the {count}; {told['reason']}"]
+    other = "" if not told["way"] else f", by way {told['way'] + 1} of {told['ways']} past the obstacles"
+    brake = "a brake anywhere ends out of their reach" if told["passive"] else "no brake is sure to end out of their reach"
+    return [f"movers       keeps off {count} at all times, {told['delay']:.2f} s later than alone ({told['waiting']:.2f} s waiting){other}; {brake}"]
 
 
 def _list(name: str, as_json: bool) -> int:

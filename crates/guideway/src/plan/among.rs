@@ -45,7 +45,9 @@ pub(super) fn among_movers<W>(
     match others(None, options, &around, make, ctx)? {
         (Some(found), number, tried) => Ok(told(found, number, tried)),
         (None, _, 1) => Ok((way, plain, untimed(1, reason))),
-        (None, _, tried) => Ok((way, plain, untimed(tried, format!("{reason}; {} other ways past the obstacles have no such motion either", tried - 1)))),
+        (None, _, tried) => {
+            Ok((way, plain, untimed(tried, format!("{reason}; {} other ways past the obstacles have no such motion either", tried - 1))))
+        }
     }
 }
 
@@ -60,7 +62,13 @@ fn told<W>((way, timed): (W, Timed), number: usize, tried: usize) -> (W, Traject
 type Others<W> = (Option<(W, Timed)>, usize, usize);
 
 /// The best of one way, if it is one, and the others.
-fn others<W>(mut best: Option<(W, Timed)>, options: &TimingOptions, around: &Among, make: Make<W>, ctx: &mut Context) -> Result<Others<W>, PlanError> {
+fn others<W>(
+    mut best: Option<(W, Timed)>,
+    options: &TimingOptions,
+    around: &Among,
+    make: Make<W>,
+    ctx: &mut Context,
+) -> Result<Others<W>, PlanError> {
     let (mut number, mut tried) = (0, 1);
     for k in 1..WAYS {
         if ctx.spent().is_some_and(|stop| stop == Stop::Cancelled || best.is_some()) {

@@ -106,9 +106,10 @@ function speedChart(data) {
 }
 
 function speedWords(data) {
-  const { regions_before: marked, regions_after: left, before } = record(record(data.trace).speed);
+  const { regions_before: marked, regions_after: left, before, movers } = record(record(data.trace).speed);
+  const alone = record(movers).timed ? " as if there were no movers" : "";
   const [found, rest] = [regionsOf(marked).length, regionsOf(left).length];
-  const parts = [`Shaded: above the ceiling of bends and clearance. ${list(before).length ? `Dashed: the first pass, ${found ? `too fast in ${found} ${found === 1 ? "region" : "regions"} (tinted)` : "nowhere too fast"}.` : ""}`, `Line: the motion${rest ? `, still too fast in ${rest}` : found ? ", nowhere too fast" : ""}.`];
+  const parts = [`Shaded: above the ceiling of bends and clearance. ${list(before).length ? `Dashed: the first pass, ${found ? `too fast in ${found} ${found === 1 ? "region" : "regions"} (tinted)` : "nowhere too fast"}.` : ""}`, `Line: the motion${alone}${rest ? `, still too fast in ${rest}` : found ? ", nowhere too fast" : ""}.`];
   return make("p", { class: "small" }, parts.join(" "));
 }
 
@@ -141,10 +142,22 @@ function objectiveTable(data) {
   return make("table", {}, make("tbody", {}, ...rows));
 }
 
+/** What the motion does about movers, in words. */
+function moverWords(data) {
+  const told = record(record(data.trace).speed).movers;
+  if (!told) return null;
+  const many = `${number(told.movers)} ${told.movers === 1 ? "mover" : "movers"}`;
+  if (!told.timed) return make("p", {}, `Not kept off: the motion knows nothing of the ${many}. ${plain(told.reason)}.`);
+  const other = told.way ? ` It takes way ${told.way + 1} of ${told.ways} past the obstacles.` : "";
+  const brake = told.passive ? "A brake anywhere ends out of their reach." : "No brake is sure to end out of their reach.";
+  return make("p", {}, `Keeps off ${many} at all times, ${number(told.delay).toFixed(2)} s later than alone (${number(told.waiting).toFixed(2)} s waiting).${other} ${brake}`);
+}
+
 const loopBlocks = ({ data, classes }) => {
   const chart = speedChart(data);
   return [
     block("Speed before and after correction", chart, chart && speedWords(data)),
+    block("Movers", moverWords(data)),
     block("Closed loop", stageTable(data)),
     block("Homotopy classes", classTable(classes)),
     block("Objective", objectiveTable(data)),

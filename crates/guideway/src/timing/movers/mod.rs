@@ -1,8 +1,9 @@
 //! Timing a path among movers whose motion is known: in space and time.
 //!
-//! Where the plain motion meets a mover, a search over states at rest finds the earliest arrival: stations along the path, motions from rest to rest between them at
-//! several speeds, and waiting. Every motion is a known profile, so its separation is proved and not sampled: over an interval of time the robot moves no
-//! farther than its profile says, and the distance to a mover's course is exact; intervals are halved until the proof closes.
+//! Where the plain motion meets a mover, a search finds the earliest arrival over a graph of places, speeds and times: jerk-limited profiles between places that
+//! are passed at one speed without acceleration, turns in place, and waiting. When each short part of the path is taken is worked out beforehand, by steps that no
+//! mover can outrun, so that nothing is sampled; two bounds from below lead the search, the least time of the graph without movers and the earliest arrival with
+//! movers but without inertia. What it finds is proved once more, by halving intervals of time until the way in them and the distance to every course leave no doubt.
 
 mod bound;
 mod course;
@@ -29,6 +30,8 @@ pub const DEFAULT_LATENCY: f64 = 0.1;
 
 /// A search looks for a motion that is longer than the plain one by no more than that first, s.
 const SOON: f64 = 15.0;
+/// Most motions that are tested with, and without, passive safety.
+const MOST: u64 = 400_000;
 /// Cells of the last attempt are so many times as short.
 const FINER: f64 = 4.0;
 
@@ -88,7 +91,8 @@ pub struct Record {
 
 /// The motion along a path that keeps its distance to movers at all times, near the earliest arrival.
 ///
-/// The plain motion ([`time`]) where that is enough. What happens after the arrival is not looked at.
+/// The plain motion ([`time`]) where that is enough. Near the earliest arrival, as far as the graph of the search and its bound on tests go. What happens after the
+/// arrival is not looked at.
 /// # Errors
 /// As [`time`]; [`PlanError::Infeasible`] names the mover and the place where no motion was found; [`PlanError::BadParameter`] for a radius or latency that is
 /// negative, or speeds at the ends that are not zero where the plain motion will not do.
@@ -112,7 +116,10 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
     if let Some(closed) = safety.closed(horizon) {
         return Err(safety.hopeless(&closed, horizon));
     }
-    let motions = Motions::new(&plain, options);
+    if path.length() <= 0.0 {
+        return Err(safety.hopeless(&meeting, horizon));
+    }
+    let mut motions = Motions::new(&plain, options);
     let mut tested = 1;
     let rounds: &[bool] = if around.passive { &[true, false] } else { &[false] };
     for &passive in rounds {
@@ -120,7 +127,7 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
         if !passive && safety.meeting(&plain.pieces, 0.0).is_none() {
             return Ok(Timed { trajectory: plain, record: Record { passive, tested, ..record } });
         }
-        if let Some(found) = earliest(&motions, &safety, horizon, (ctx, &mut tested))? {
+        if let Some(found) = earliest(&mut motions, &safety, horizon, (ctx, &mut tested))? {
             let delay = found.trajectory.duration() - plain.duration();
             return Ok(Timed { trajectory: found.trajectory, record: Record { passive, delay, waiting: found.waiting, tested, ..record } });
         }
@@ -129,11 +136,17 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
 }
 
 /// The search with cells of the path and moments that are coarse first: near in time, then up to the horizon (s), then fine.
-fn earliest(motions: &Motions, safety: &Safety, horizon: f64, (ctx, tested): (&mut Context, &mut u64)) -> Result<Option<Found>, PlanError> {
+fn earliest<'a>(
+    motions: &mut Motions<'a>,
+    safety: &Safety<'a>,
+    horizon: f64,
+    (ctx, tested): (&mut Context, &mut u64),
+) -> Result<Option<Found>, PlanError> {
+    let most = *tested + MOST;
     let soon = motions.plain.duration() + SOON;
     for (until, finer) in [(soon, 1.0), (horizon, 1.0), (horizon, FINER)] {
         let table = Table::new(safety.path, &safety.courses, safety.around.radius, until, finer);
-        let found = Search::new(motions, safety, &table).run(ctx, tested)?;
+        let found = Search::new(motions, safety, &table).run(ctx, tested, most)?;
         // The proof that does not rest on the table.
         if let Some(found) = found.filter(|f| safety.meeting(&f.trajectory.pieces, 0.0).is_none()) {
             return Ok(Some(found));

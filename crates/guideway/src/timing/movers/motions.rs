@@ -50,7 +50,10 @@ pub(super) struct Motion {
     /// Arc length where it begins, m.
     from: f64,
     pub pieces: Vec<Piece>,
+    /// s; of a motion that is not made yet a bound from below.
     pub duration: f64,
+    /// What is needed to make it: the stretch and both nodes.
+    unmade: Option<(usize, usize, usize)>,
 }
 
 /// All nodes, later ones farther along, and the motions between them. The first node is the start and the last one the goal.
@@ -58,6 +61,7 @@ pub(super) struct Motions<'a> {
     pub plain: &'a Trajectory,
     pub nodes: Vec<Node>,
     pub motions: Vec<Motion>,
+    stretches: Vec<Stretch>,
     bounds: Bounds,
 }
 
@@ -70,7 +74,7 @@ struct Stretch {
 impl<'a> Motions<'a> {
     /// The graph for the path of a plain motion.
     pub fn new(plain: &'a Trajectory, options: &TimingOptions) -> Self {
-        let mut out = Self { plain, nodes: Vec::new(), motions: Vec::new(), bounds: Bounds::from(&plain.limits) };
+        let mut out = Self { plain, nodes: Vec::new(), motions: Vec::new(), stretches: Vec::new(), bounds: Bounds::from(&plain.limits) };
         let (path, corners) = (&plain.path, plain.path.corners());
         let length = path.length();
         let stops: Vec<f64> = std::iter::once(0.0).chain(corners.iter().map(|c| c.s)).chain([length]).collect();
@@ -84,6 +88,7 @@ impl<'a> Motions<'a> {
             let extra = options.clearance_ceiling.map(|f| f as &dyn Fn(f64) -> f64);
             let stretch = Stretch { from: pair[0], ceiling: Ceiling::of_path(path, (pair[0], pair[1]), &plain.limits, extra) };
             out.stretch(&stretch, pair[1], spacing, leaving);
+            out.stretches.push(stretch);
         }
         out.turn(options.goal_yaw.unwrap_or(last));
         out.look_back();
@@ -100,7 +105,7 @@ impl<'a> Motions<'a> {
         let from = self.nodes.len() - 1;
         let Node { s, station, heading: before, .. } = self.nodes[from];
         let turn = wrap(heading - before);
-        let mut motion = Motion { from: s, pieces: Vec::new(), duration: 0.0 };
+        let mut motion = Motion { from: s, pieces: Vec::new(), duration: 0.0, unmade: None };
         if turn.abs() > SAME_HEADING {
             motion.duration = turn_time(turn, &self.plain.limits);
             motion.pieces.push(Piece::Turn { turn, t: 0.0, duration: motion.duration, s, from: before });
@@ -174,13 +179,15 @@ impl<'a> Motions<'a> {
             self.take(i, *j, profile.filter(|p| stretch.ceiling.allows(s - stretch.from, p)));
         }
         // As fast as can be to the next places where the plain motion is slow, and to the end.
-        let slow = ahead.iter().copied().filter(|&j| self.nodes[j].level == SLOWEST || j == end).take(2);
-        for j in slow.collect::<Vec<_>>() {
-            match self.profile(s, speed, j, self.bounds.speed) {
-                Some(p) if stretch.ceiling.allows(s - stretch.from, &p) => self.take(i, j, Some(p)),
-                Some(_) => self.hurry(stretch, i, j),
-                None => {}
+        let slow = ahead.iter().copied().filter(|&j| self.nodes[j].level == SLOWEST || j == end);
+        let reached = slow.map(|j| (j, self.profile(s, speed, j, self.bounds.speed))).find_map(|(j, p)| p.map(|p| (j, p)));
+        match reached {
+            Some((j, p)) if stretch.ceiling.allows(s - stretch.from, &p) => self.take(i, j, Some(p)),
+            Some((j, p)) => {
+                let unmade = Some((self.stretches.len(), i, j));
+                self.join(i, j, Motion { from: s, pieces: Vec::new(), duration: p.duration(), unmade });
             }
+            None => {}
         }
     }
 
@@ -206,18 +213,17 @@ impl<'a> Motions<'a> {
         }
     }
 
-    /// The fastest motion under the ceiling, which a single profile would exceed.
-    fn hurry(&mut self, stretch: &Stretch, i: usize, j: usize) {
-        let (a, b) = (&self.nodes[i], &self.nodes[j]);
+    /// Makes a motion that is not made yet: the fastest under the ceiling, which a single profile would exceed. One that cannot be made lasts for ever.
+    pub fn make(&mut self, motion: usize) {
+        let Some((stretch, i, j)) = self.motions[motion].unmade.take() else { return };
+        let (a, b, stretch) = (&self.nodes[i], &self.nodes[j], &self.stretches[stretch]);
         let (from, length) = (a.s - stretch.from, b.s - a.s);
         let n = (length / stretch.ceiling.step()).ceil().clamp(1.0, 4000.0);
         let at = |k: usize| (from + length * k as f64 / n).min(stretch.ceiling.length());
         let cells = (0..n as usize).map(|k| stretch.ceiling.lowest(at(k), at(k + 1))).collect();
-        let part = Ceiling::from_cells(length, cells);
-        if let Ok(chain) = fastest(&part, &self.bounds, (a.speed, b.speed)) {
-            let chain: Vec<(f64, Profile)> = chain.into_iter().map(|(s, p)| (a.s + s, p)).collect();
-            self.join(i, j, chained(&chain));
-        }
+        let chain = fastest(&Ceiling::from_cells(length, cells), &self.bounds, (a.speed, b.speed)).unwrap_or_default();
+        let chain: Vec<(f64, Profile)> = chain.into_iter().map(|(s, p)| (a.s + s, p)).collect();
+        self.motions[motion] = if chain.is_empty() { Motion { duration: f64::INFINITY, ..self.motions[motion].clone() } } else { chained(&chain) };
     }
 
     /// Least times to the goal over the motions there are.
@@ -240,12 +246,13 @@ impl<'a> Motions<'a> {
 fn chained(chain: &[(f64, Profile)]) -> Motion {
     let mut duration = 0.0;
     let pieces = chain.iter().flat_map(|(s, profile)| steps(*s, profile)).map(|step| {
-        let piece = Piece::Along { t: duration, s: step.s, speed: step.speed, acceleration: step.acceleration, jerk: step.jerk, duration: step.duration };
+        let piece =
+            Piece::Along { t: duration, s: step.s, speed: step.speed, acceleration: step.acceleration, jerk: step.jerk, duration: step.duration };
         duration += step.duration;
         piece
     });
     let pieces = pieces.collect();
-    Motion { from: chain.first().map_or(0.0, |c| c.0), pieces, duration }
+    Motion { from: chain.first().map_or(0.0, |c| c.0), pieces, duration, unmade: None }
 }
 
 impl Motion {

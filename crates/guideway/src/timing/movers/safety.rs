@@ -202,25 +202,21 @@ impl Safety<'_> {
 
     /// The error where there is no motion.
     pub fn hopeless(&self, meeting: &Meeting, horizon: f64) -> PlanError {
-        let [x, y] = self.point(meeting.s);
-        if meeting.t >= horizon {
-            let reason = format!(
-                "mover {} and others are in the way near ({x:.3}, {y:.3}), arc length {:.3} m, at all times up to {horizon:.0} s: this path is closed for a robot that \
-                 keeps {:.3} m to movers",
-                meeting.mover + 1,
-                meeting.s,
-                self.around.radius
-            );
-            return PlanError::Infeasible { reason, best_end_speed: None };
-        }
-        let reason = format!(
-            "mover {} is in the way near ({x:.3}, {y:.3}), arc length {:.3} m, at {:.2} s, and no motion along this path that waits or slows down was found that keeps \
-             {:.3} m to all movers within {horizon:.0} s",
-            meeting.mover + 1,
-            meeting.s,
-            meeting.t,
-            self.around.radius
-        );
+        let ([x, y], s, mover, kept) = (self.point(meeting.s), meeting.s, meeting.mover + 1, self.around.radius);
+        let place = format!("near ({x:.3}, {y:.3}), arc length {s:.3} m");
+        let advice = "take a path that leads elsewhere (a via point), a smaller clearance, or movers that are not there all the time";
+        let reason = if meeting.t >= horizon {
+            format!(
+                "mover {mover} or another one is in the way {place}, at all times up to {horizon:.0} s: this path is closed for a robot that keeps {kept:.3} m to movers; \
+                 {advice}"
+            )
+        } else {
+            format!(
+                "mover {mover} is in the way {place}, at {:.2} s, and no motion along this path that waits or slows down was found that keeps {kept:.3} m to all movers \
+                 within {horizon:.0} s; {advice}, or another time of departure",
+                meeting.t
+            )
+        };
         PlanError::Infeasible { reason, best_end_speed: None }
     }
 }

@@ -1,7 +1,7 @@
 //! The earliest arrival: A* over (node, time).
 
 use super::bound::{Bound, STEP, bin};
-use super::motions::Motions;
+use super::motions::{Motions, Node};
 use super::safety::{Brake, Safety};
 use super::table::{Passage, Table};
 use crate::context::{Context, Stop};
@@ -9,9 +9,6 @@ use crate::error::PlanError;
 use crate::timing::{Piece, Trajectory};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-
-/// Most motions that are tested.
-const MOST: u64 = 400_000;
 
 /// What a search found.
 pub(super) struct Found {
@@ -58,9 +55,9 @@ struct Known {
 }
 
 /// A search among movers.
-pub(super) struct Search<'a> {
-    motions: &'a Motions<'a>,
-    safety: &'a Safety<'a>,
+pub(super) struct Search<'a, 'b> {
+    motions: &'a mut Motions<'b>,
+    safety: &'a Safety<'b>,
     table: &'a Table,
     bound: Bound,
     known: Vec<Known>,
@@ -70,26 +67,19 @@ pub(super) struct Search<'a> {
     earliest: Vec<Vec<f64>>,
 }
 
-impl<'a> Search<'a> {
-    pub fn new(motions: &'a Motions<'a>, safety: &'a Safety<'a>, table: &'a Table) -> Self {
+impl<'a, 'b> Search<'a, 'b> {
+    pub fn new(motions: &'a mut Motions<'b>, safety: &'a Safety<'b>, table: &'a Table) -> Self {
         let bins = bin(table.horizon) + 2;
-        Self {
-            motions,
-            safety,
-            table,
-            bound: Bound::new(motions, table),
-            known: vec![Known::default(); motions.motions.len()],
-            states: Vec::new(),
-            open: BinaryHeap::new(),
-            earliest: vec![vec![f64::INFINITY; bins]; motions.nodes.len()],
-        }
+        let bound = Bound::new(motions, table);
+        let known = vec![Known::default(); motions.motions.len()];
+        let earliest = vec![vec![f64::INFINITY; bins]; motions.nodes.len()];
+        Self { motions, safety, table, bound, known, states: Vec::new(), open: BinaryHeap::new(), earliest }
     }
 
-    /// The earliest arrival, `None` if there is none within the horizon (or the bound on tests).
-    pub fn run(mut self, ctx: &mut Context, tested: &mut u64) -> Result<Option<Found>, PlanError> {
+    /// The earliest arrival, `None` if there is none within the horizon or until so many motions have been tested (`most`).
+    pub fn run(mut self, ctx: &mut Context, tested: &mut u64, most: u64) -> Result<Option<Found>, PlanError> {
         let goal = self.motions.nodes.len() - 1;
         self.reach(Reached { node: 0, t: 0.0, before: None });
-        let most = *tested + MOST;
         while let Some(Open { node, state, .. }) = self.open.pop() {
             if node == goal {
                 return Ok(Some(self.trace(state)));
@@ -97,7 +87,7 @@ impl<'a> Search<'a> {
             match ctx.poll() {
                 Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
                 Some(_) => return Ok(None),
-                None if *tested > most => return Ok(None),
+                None if *tested >= most => return Ok(None),
                 None => {}
             }
             let t = self.states[state].t;
@@ -110,16 +100,17 @@ impl<'a> Search<'a> {
 
     /// Whatever can follow a state.
     fn leave(&mut self, node: usize, state: usize, t: f64, tested: &mut u64) {
-        let motions = self.motions;
-        let here = &motions.nodes[node];
+        let Node { s, speed, .. } = self.motions.nodes[node];
         let next = (bin(t) + 1) as f64 * STEP;
         // Rounding may leave a moment in the same step.
         let next = if next > t { next } else { next + STEP };
-        if here.speed == 0.0 && self.wants(node, next) && self.table.free(self.table.cell(here.s), t, next) {
+        if speed == 0.0 && self.wants(node, next) && self.table.free(self.table.cell(s), t, next) {
             self.reach(Reached { node, t: next, before: Some((state, None)) });
         }
-        for &(to, motion) in &here.next {
-            let arrival = t + motions.motions[motion].duration;
+        for k in 0..self.motions.nodes[node].next.len() {
+            let (to, motion) = self.motions.nodes[node].next[k];
+            self.motions.make(motion);
+            let arrival = t + self.motions.motions[motion].duration;
             if self.wants(to, arrival) {
                 *tested += 1;
                 if self.possible(motion, t) {

@@ -12,9 +12,9 @@ mod record;
 mod seats;
 mod speed;
 mod stages;
-mod ways;
 #[cfg(test)]
 mod tests;
+mod ways;
 
 pub use engine::Engine;
 
@@ -165,7 +165,7 @@ impl Planner for Aide {
         let shortest = &atlas.classes[0];
         let exact = Solution::of_search(Path::polyline(&shortest.points), shortest.length, 0, ctx);
         if exact.cost == 0.0 {
-            return follow(query, &self.settings, &exact, ctx);
+            return self.follow(query, &exact, ctx);
         }
         let mut seats = self.begin(query, (&atlas, &exact), ctx)?;
         let plain = if seats.seats.is_empty() { Some(Curves::new(query, &self.settings)?) } else { None };
@@ -176,13 +176,26 @@ impl Planner for Aide {
         let evaluations = ctx.evaluations() - before;
         if self.settings.hints && self.classes > 0 && outcome.stop != Stop::Cancelled {
             let (stop, iterations) = (outcome.stop, ctx.iterations());
-            return Ok(Solution { stop, iterations, evaluations, ..follow(query, &self.settings, &exact, ctx)? });
+            return Ok(Solution { stop, iterations, evaluations, ..self.follow(query, &exact, ctx)? });
         }
         Err(nothing(query, outcome.stop, evaluations))
     }
 }
 
 impl Aide {
+    /// The exact route, where no curve is better.
+    fn follow(&self, query: &Query, exact: &Solution, ctx: &mut Context) -> Result<Solution, PlanError> {
+        let mut solution = follow(query, &self.settings, exact, ctx)?;
+        if let Some(plain) = solution.trajectory.take() {
+            let (trajectory, told) = if self.movers { ways::alone(self, query, plain, ctx)? } else { (plain, Seen::Null) };
+            solution.trajectory = Some(trajectory);
+            if !told.is_null() {
+                solution.trace["speed"] = serde_json::json!({ "movers": told });
+            }
+        }
+        Ok(solution)
+    }
+
     /// The result, if a free curve was found and can be driven.
     fn solution(
         &self,

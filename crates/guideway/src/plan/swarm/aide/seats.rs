@@ -70,7 +70,13 @@ pub(super) fn place(aide: &Aide, query: &Query, (atlas, exact): (&Atlas, &Soluti
 }
 
 /// The seat of a class with a free candidate; made if there is none so far.
-pub(super) fn of_class<'a>(aide: &Aide, query: &Query, (number, class): (usize, &Class), seats: &'a mut Seats, ctx: &mut Context) -> Option<&'a Seat> {
+pub(super) fn of_class<'a>(
+    aide: &Aide,
+    query: &Query,
+    (number, class): (usize, &Class),
+    seats: &'a mut Seats,
+    ctx: &mut Context,
+) -> Option<&'a Seat> {
     for growth in GROWTH {
         if seats.free(number) || ctx.spent().is_some() {
             break;

@@ -47,11 +47,21 @@ pub(super) fn among(
     let signature = |curves: &Curves, best: &Candidate| atlas.signature(&curves.chain(&best.x, 2000));
     let taken = signature(&first.0.curves, &first.0.best);
     let further: Vec<(usize, &Class)> = atlas.classes.iter().enumerate().filter(|(_, class)| class.signature != taken).collect();
-    let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, method: aide.profile, ..TimingOptions::default() };
+    let options = options(aide, query);
     let mut make = |k: usize, below: f64, ctx: &mut Context| {
         let (number, class) = further.get(k - 1).filter(|(_, class)| at_least(class.length, query) < below)?;
         let seat = seats::of_class(aide, query, (*number, class), seats, ctx)?;
         Driven::new(aide, query, (&seat.curves, seat.best.clone()), None, ctx)
     };
     among_movers(query, first, &options, &mut make, ctx)
+}
+
+/// A motion timed among the movers, with no other way.
+pub(super) fn alone(aide: &Aide, query: &Query, plain: Trajectory, ctx: &mut Context) -> Result<(Trajectory, Seen), PlanError> {
+    let ((), trajectory, told) = among_movers(query, ((), plain), &options(aide, query), &mut |_, _, _| None, ctx)?;
+    Ok((trajectory, told))
+}
+
+fn options<'a>(aide: &Aide, query: &Query) -> TimingOptions<'a> {
+    TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, method: aide.profile, ..TimingOptions::default() }
 }

@@ -60,7 +60,7 @@ pub(super) struct Motion {
 pub(super) struct Motions<'a> {
     pub plain: &'a Trajectory,
     pub nodes: Vec<Node>,
-    pub motions: Vec<Motion>,
+    pub made: Vec<Motion>,
     stretches: Vec<Stretch>,
     bounds: Bounds,
 }
@@ -74,7 +74,7 @@ struct Stretch {
 impl<'a> Motions<'a> {
     /// The graph for the path of a plain motion.
     pub fn new(plain: &'a Trajectory, options: &TimingOptions) -> Self {
-        let mut out = Self { plain, nodes: Vec::new(), motions: Vec::new(), stretches: Vec::new(), bounds: Bounds::from(&plain.limits) };
+        let mut out = Self { plain, nodes: Vec::new(), made: Vec::new(), stretches: Vec::new(), bounds: Bounds::from(&plain.limits) };
         let (path, corners) = (&plain.path, plain.path.corners());
         let length = path.length();
         let stops: Vec<f64> = std::iter::once(0.0).chain(corners.iter().map(|c| c.s)).chain([length]).collect();
@@ -115,8 +115,8 @@ impl<'a> Motions<'a> {
     }
 
     fn join(&mut self, from: usize, to: usize, motion: Motion) {
-        self.nodes[from].next.push((to, self.motions.len()));
-        self.motions.push(motion);
+        self.nodes[from].next.push((to, self.made.len()));
+        self.made.push(motion);
     }
 
     /// Nodes from the last one, at the start of a stretch, to its end (m), where the path has the heading `leaving` (rad); and their motions.
@@ -166,8 +166,8 @@ impl<'a> Motions<'a> {
         let end = self.nodes.len() - 1;
         let Node { s, speed, station, .. } = self.nodes[i];
         let ahead: Vec<usize> = (i + 1..=end).filter(|&j| self.nodes[j].station > station).collect();
-        for level in 0..SHARES.len() {
-            let top = speed.max(SHARES[level] * self.bounds.speed);
+        for (level, share) in SHARES.into_iter().enumerate() {
+            let top = speed.max(share * self.bounds.speed);
             if top > 0.0 {
                 let to: Vec<usize> = ahead.iter().copied().filter(|&j| self.nodes[j].level == level).collect();
                 self.change(stretch, i, &to, top);
@@ -215,7 +215,7 @@ impl<'a> Motions<'a> {
 
     /// Makes a motion that is not made yet: the fastest under the ceiling, which a single profile would exceed. One that cannot be made lasts for ever.
     pub fn make(&mut self, motion: usize) {
-        let Some((stretch, i, j)) = self.motions[motion].unmade.take() else { return };
+        let Some((stretch, i, j)) = self.made[motion].unmade.take() else { return };
         let (a, b, stretch) = (&self.nodes[i], &self.nodes[j], &self.stretches[stretch]);
         let (from, length) = (a.s - stretch.from, b.s - a.s);
         let n = (length / stretch.ceiling.step()).ceil().clamp(1.0, 4000.0);
@@ -223,7 +223,7 @@ impl<'a> Motions<'a> {
         let cells = (0..n as usize).map(|k| stretch.ceiling.lowest(at(k), at(k + 1))).collect();
         let chain = fastest(&Ceiling::from_cells(length, cells), &self.bounds, (a.speed, b.speed)).unwrap_or_default();
         let chain: Vec<(f64, Profile)> = chain.into_iter().map(|(s, p)| (a.s + s, p)).collect();
-        self.motions[motion] = if chain.is_empty() { Motion { duration: f64::INFINITY, ..self.motions[motion].clone() } } else { chained(&chain) };
+        self.made[motion] = if chain.is_empty() { Motion { duration: f64::INFINITY, ..self.made[motion].clone() } } else { chained(&chain) };
     }
 
     /// Least times to the goal over the motions there are.
@@ -231,7 +231,7 @@ impl<'a> Motions<'a> {
         let goal = self.nodes.len() - 1;
         self.nodes[goal].remaining = 0.0;
         for i in (0..goal).rev() {
-            let through = |&(to, motion): &(usize, usize)| self.nodes[to].remaining + self.motions[motion].duration;
+            let through = |&(to, motion): &(usize, usize)| self.nodes[to].remaining + self.made[motion].duration;
             self.nodes[i].remaining = self.nodes[i].next.iter().map(through).fold(f64::INFINITY, f64::min);
         }
     }

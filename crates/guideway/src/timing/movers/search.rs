@@ -71,7 +71,7 @@ impl<'a, 'b> Search<'a, 'b> {
     pub fn new(motions: &'a mut Motions<'b>, safety: &'a Safety<'b>, table: &'a Table) -> Self {
         let bins = bin(table.horizon) + 2;
         let bound = Bound::new(motions, table);
-        let known = vec![Known::default(); motions.motions.len()];
+        let known = vec![Known::default(); motions.made.len()];
         let earliest = vec![vec![f64::INFINITY; bins]; motions.nodes.len()];
         Self { motions, safety, table, bound, known, states: Vec::new(), open: BinaryHeap::new(), earliest }
     }
@@ -110,7 +110,7 @@ impl<'a, 'b> Search<'a, 'b> {
         for k in 0..self.motions.nodes[node].next.len() {
             let (to, motion) = self.motions.nodes[node].next[k];
             self.motions.make(motion);
-            let arrival = t + self.motions.motions[motion].duration;
+            let arrival = t + self.motions.made[motion].duration;
             if self.wants(to, arrival) {
                 *tested += 1;
                 if self.possible(motion, t) {
@@ -137,7 +137,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     fn possible(&mut self, motion: usize, t: f64) -> bool {
-        let (made, known) = (&self.motions.motions[motion], &mut self.known[motion]);
+        let (made, known) = (&self.motions.made[motion], &mut self.known[motion]);
         let passage = known.passage.get_or_insert_with(|| made.passage(self.table));
         if !self.table.lets(passage, t) {
             return false;
@@ -155,7 +155,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let (mut pieces, mut t, mut waiting) = (Vec::<Piece>::new(), 0.0, 0.0);
         for (before, motion, after) in parts.into_iter().rev() {
             if let Some(motion) = motion {
-                for piece in &self.motions.motions[motion].pieces {
+                for piece in &self.motions.made[motion].pieces {
                     pieces.push(piece.shifted(t - piece.start()));
                     t += piece.duration();
                 }

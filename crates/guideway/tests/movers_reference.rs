@@ -37,13 +37,13 @@ fn exhaustive(path: &Path, movers: &[Mover], passive: bool) -> Option<f64> {
             k == 0 || !passive || (0..=4).all(|q| near(i + (way * f64::from(q) / 4.0 / DS) as usize) - top * time * f64::from(q) / 4.0 >= KEPT)
         };
         let mut next = vec![[false; LEVELS]; n + 1];
-        for i in 0..=n {
-            for k in (0..LEVELS).filter(|&k| here[i][k]) {
-                for to in k.saturating_sub(2)..=(k + 2).min(LEVELS - 1) {
-                    let j = i + k + to;
-                    if j <= n && !next[j][to] && 0.1 * to as f64 <= highest[j] && near(j) >= KEPT && brakes(j, to) {
-                        next[j][to] = true;
-                    }
+        let reached = here.iter().enumerate().flat_map(|(i, row)| row.iter().enumerate().filter(|(_, on)| **on).map(move |(k, _)| (i, k)));
+        for (i, k) in reached {
+            let changes = (k.saturating_sub(2)..=(k + 2).min(LEVELS - 1)).map(|to| (i + k + to, to));
+            for (j, to) in changes {
+                let slow = j <= n && 0.1 * to as f64 <= highest[j];
+                if slow && !next[j][to] && near(j) >= KEPT && brakes(j, to) {
+                    next[j][to] = true;
                 }
             }
         }

@@ -319,6 +319,7 @@ def drive(
     stop_at_goal: bool = True,
     time_limit: float | None = None,
     observe: _Observer | None = None,
+    trace: bool = False,
 ) -> dict[str, Any]: ...
 def distance_transform(blocked: ArrayLike) -> _Floats: ...
 def lattice_optimum(

@@ -26,6 +26,7 @@ class Drive:
     stop_at_goal: bool = True
     time_limit: float | None = None
     observe: jobs.Observer | None = None
+    trace: bool = False
 
 
 def drive(
@@ -40,14 +41,16 @@ def drive(
     stop_at_goal: bool = True,
     time_limit: float | None = None,
     observe: jobs.Observer | None = None,
+    trace: bool = False,
 ) -> dict[str, Any]:
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
     ``controller`` is one of :func:`guideway.controllers`, ``set`` holds its parameters; ``planner`` plans anew when the way is blocked; ``arrival``
-    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute).
+    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute); with
+    ``trace`` the record holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
-    asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit, observe)
+    asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit, observe, trace)
     return run(asked)
 
 
@@ -64,6 +67,7 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         stop_at_goal=drive.stop_at_goal,
         time_limit=drive.time_limit,
         observe=drive.observe,
+        trace=drive.trace,
     )
     return record(drive, raw, folder)
 
@@ -96,12 +100,13 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "separation": raw["min_separation"],
         "emergency_stops": raw["emergency_stops"],
         "step_seconds": raw["step_seconds"],
+        "plan_seconds": raw["plan_seconds"],
         "tracking": raw["tracking"],
         "energy": raw["energy"],
         "events": raw["events"],
         "collision": raw["collision"],
         "cancelled": raw["cancelled"],
-    }
+    } | ({"trace": raw["trace"]} if raw["trace"] else {})
 
 
 def mover_states(mover: dict[str, Any]) -> dict[str, Any]:

@@ -8,11 +8,10 @@ use crate::query::Query;
 use guideway::context::{Budget, Context};
 use guideway::drive as core;
 use guideway::error::PlanError;
+use guideway::plan;
 use guideway::query::Limits;
-use guideway::refine::{Refiner, Smooth};
 use guideway::timing::movers::{self, Among, Record};
 use guideway::timing::{self, Method, Piece, TimingOptions};
-use guideway::{plan, query};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -170,7 +169,7 @@ pub fn controllers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
 
 /// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`.
 #[pyfunction]
-#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, observe=None))]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, observe=None, trace=false))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn drive<'py>(
     py: Python<'py>,
@@ -184,19 +183,16 @@ pub fn drive<'py>(
     stop_at_goal: bool,
     time_limit: Option<f64>,
     observe: Option<&Bound<'py, PyAny>>,
+    trace: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let again = plan::planner(planner, serde_json::Value::Null).or_py(py)?;
-    let limits = trajectory.inner.limits;
-    let replanner = |query: &query::Query, ctx: &mut Context<'_>| -> Result<timing::Trajectory, PlanError> {
-        let path = again.plan(query, ctx)?.path;
-        let path = Smooth::default().refine(&path, query, ctx)?.path;
-        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..TimingOptions::default() };
-        timing::time(&path, &limits, &options, ctx)
-    };
+    let planning = core::Planning::new(again, trajectory.inner.limits);
+    let replanner = |ask: &core::Ask, ctx: &mut Context<'_>| planning.motion(ask, ctx);
     let mut job = core::Job::new(&query.inner, &trajectory.inner).or_py(py)?;
     (job.arrival, job.stop_at_goal, job.time_limit) = (arrival, stop_at_goal, time_limit);
     job.replanner = Some(&replanner);
+    job.trace = trace;
     let setup = core::Setup { world: query.inner.world.clone(), robot: job.robot.clone(), clearance: query.inner.clearance };
     let mut controller = core::controller(controller, parameters, &setup).or_py(py)?;
     let (result, raised) = watched(py, seed, Budget::default(), 1, observe, |ctx| core::execute(&job, controller.as_mut(), ctx))?;

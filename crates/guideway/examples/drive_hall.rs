@@ -3,7 +3,7 @@
 //! `cargo run --release --example drive_hall [CONTROLLER] [SEEDS]`
 
 use guideway::context::Context;
-use guideway::drive::{Job, Outcome, Run, Setup, controller, execute};
+use guideway::drive::{Ask, Job, Outcome, Run, Setup, controller, execute};
 use guideway::error::PlanError;
 use guideway::plan::planner;
 use guideway::query::{Limits, Query};
@@ -55,7 +55,7 @@ fn drive(name: &str, seed: u64) -> Result<Run, PlanError> {
     (query.footprint, query.clearance) = (Footprint::Disc(0.35), 0.15);
     let trajectory = motion(&query, &mut Context::new(seed))?;
     let mut job = Job::new(&query, &trajectory)?;
-    let again = |query: &Query, ctx: &mut Context| motion(query, ctx);
+    let again = |ask: &Ask, ctx: &mut Context| motion(&ask.query, ctx);
     job.arrival = 0.2;
     job.replanner = Some(&again);
     let setup = Setup { world: Arc::clone(&query.world), robot: job.robot.clone(), clearance: query.clearance };

@@ -73,6 +73,7 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
     drive.set = dict(options.setting(text) for text in arguments.set)
     drive.seed = arguments.seed
     drive.time_limit = arguments.time_limit or drive.time_limit
+    drive.trace = bool(arguments.out or arguments.report)
     return drive, plan
 
 

@@ -3,23 +3,22 @@
 use super::record::{Log, moving};
 use super::sense::Stage;
 use super::separation::{Judge, Leg, With};
+use super::trace::Tracer;
 use super::{
-    Collision, Command, Controller, Course, Decision, Event, Guide, Lidar, Motion, MoverRecord, Observation, Outcome, Percentiles, Plant, Reason,
-    Robot, Run, Separation, Unicycle,
+    Collision, Command, Controller, Course, Event, Lidar, Motion, MoverRecord, Outcome, Outline, Percentiles, Pilot, Plant, Replanner, Robot, Run,
+    Scan, Separation, Step, Unicycle,
 };
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Query;
 use crate::timing::Trajectory;
+use crate::world::Mover;
 use crate::world::shape::{distance, wrap};
-use crate::world::{Mover, Shape, World};
+use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Plans and times a new motion for a changed query, whose world holds what is in the way; it starts at the robot's pose, at rest.
-pub type Replanner<'a> = dyn Fn(&Query, &mut Context) -> Result<Trajectory, PlanError> + Sync + 'a;
 
 /// How movers (and, without a map, static obstacles) are seen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -51,7 +50,7 @@ pub struct Job<'a> {
     pub stop_at_goal: bool,
     /// Longest run, s; `None` is three times the planned duration and 60 s.
     pub time_limit: Option<f64>,
-    /// A run without progress (0.05 m nearer to the end of its course, or a new plan) for so long is stuck, s.
+    /// A run without progress (0.05 m nearer to the end of its course) for so long is stuck, s.
     pub stuck_after: f64,
     /// Command period, s.
     pub period: f64,
@@ -59,8 +58,10 @@ pub struct Job<'a> {
     pub sense: Sense,
     /// Does the robot know the static world from the start? Else it knows its bounds and what its lidar has seen.
     pub map_known: bool,
-    /// Plans anew when the controller asks; without one it waits.
+    /// Plans anew where the way is blocked; without one the robot waits.
     pub replanner: Option<&'a Replanner<'a>>,
+    /// Keep what reports show of single steps?
+    pub trace: bool,
 }
 
 impl<'a> Job<'a> {
@@ -83,6 +84,7 @@ impl<'a> Job<'a> {
             sense: Sense::Truth,
             map_known: true,
             replanner: None,
+            trace: false,
         })
     }
 
@@ -117,10 +119,10 @@ pub fn execute(job: &Job, controller: &mut dyn Controller, ctx: &mut Context) ->
 /// As [`execute`].
 pub fn execute_on(job: &Job, controller: &mut dyn Controller, plant: &mut dyn Plant, ctx: &mut Context) -> Result<Run, PlanError> {
     job.validate()?;
-    let course = Arc::new(Course::new(job.trajectory)?);
-    let mut drive = Drive::new(job, &course);
-    controller.follow(&Arc::new(Guide::along(Arc::clone(&course))));
+    let mut pilot = Pilot::of_job(job, Box::new(controller))?;
+    let course = Arc::clone(&pilot.guide().course);
     let limit = job.time_limit.unwrap_or(3.0 * course.duration() + 60.0);
+    let mut drive = Drive::new(job, course, ctx.seed());
     let outcome = loop {
         let t = drive.steps as f64 * job.period;
         if let Some(outcome) = drive.judge_state(plant.motion(), t) {
@@ -134,18 +136,12 @@ pub fn execute_on(job: &Job, controller: &mut dyn Controller, plant: &mut dyn Pl
             drive.event(t, "cancel", "cancelled by the caller or by the budget");
             break Outcome::Timeout;
         }
-        let mut seen = plant.observe();
-        seen.time = t;
-        seen.tracks = drive.stage.tracks(t);
-        let started = Instant::now();
-        let decision = controller.decide(&seen, ctx);
-        drive.seconds.push(started.elapsed().as_secs_f64());
-        let command = drive.obey(decision, &seen, controller, ctx);
+        let command = drive.pilot(&mut pilot, plant, t, ctx);
         if drive.move_on(plant, command, t) {
             break Outcome::Collision;
         }
     };
-    Ok(drive.finish(outcome, plant.motion()))
+    Ok(drive.finish(outcome, plant.motion(), pilot.replans()))
 }
 
 /// The state of the loop.
@@ -155,12 +151,15 @@ struct Drive<'a> {
     stage: Stage,
     judge: Judge<'a>,
     log: Log,
+    tracer: Option<Tracer>,
     seconds: Vec<f64>,
+    plan_seconds: Vec<f64>,
+    /// Noise of the lidar, and when it has turned next, s.
+    rays: ChaCha8Rng,
+    next_scan: f64,
     events: Vec<Event>,
     steps: u64,
-    replans: u32,
     emergency_stops: u32,
-    stopping: Option<String>,
     /// Arc length reached, m.
     s: f64,
     /// Least distance left so far, m, and when it was reached, s.
@@ -171,21 +170,23 @@ struct Drive<'a> {
 }
 
 impl<'a> Drive<'a> {
-    fn new(job: &'a Job<'a>, course: &Arc<Course>) -> Self {
+    fn new(job: &'a Job<'a>, course: Arc<Course>, seed: u64) -> Self {
         let mut log = Log::default();
-        log.courses.push((0, Arc::clone(course)));
+        log.courses.push((0, Arc::clone(&course)));
         Self {
             job,
-            course: Arc::clone(course),
+            tracer: job.trace.then(|| Tracer::new(&course)),
+            course,
             stage: Stage::new(job.query.world.movers()),
             judge: Judge::new(&job.query.world, &job.robot.footprint),
             log,
             seconds: Vec::new(),
+            plan_seconds: Vec::new(),
+            rays: Lidar::random(seed),
+            next_scan: 0.0,
             events: Vec::new(),
             steps: 0,
-            replans: 0,
             emergency_stops: 0,
-            stopping: None,
             s: 0.0,
             progress: (f64::INFINITY, 0.0),
             collision: None,
@@ -223,51 +224,49 @@ impl<'a> Drive<'a> {
         self.job.query.via.is_empty() || self.course.length() - self.course.project(p, self.s, self.s + 1.0).0 <= self.job.arrival + 1.0
     }
 
-    /// The command that a decision means.
-    fn obey(&mut self, decision: Decision, seen: &Observation, controller: &mut dyn Controller, ctx: &mut Context) -> Command {
+    /// One control step: what the sensors show, what the pilot makes of it, and the record of both.
+    fn pilot(&mut self, pilot: &mut Pilot, plant: &mut dyn Plant, t: f64, ctx: &mut Context) -> Command {
+        let mut seen = plant.observe();
+        seen.time = t;
+        let scan = self.scan(plant.motion().pose, t);
+        if self.job.sense == Sense::Truth {
+            seen.tracks = self.stage.tracks(t);
+        }
+        let started = Instant::now();
+        let step = pilot.step(&mut seen, scan, ctx);
+        self.seconds.push(started.elapsed().as_secs_f64() - step.plan_seconds.iter().sum::<f64>());
         let fast = self.log.driven.last().is_some_and(|r| r[4].abs() > 0.2);
-        let (reason, replan) = match decision {
-            Decision::Drive(command) => {
-                if self.stopping.take().is_some() {
-                    self.event(seen.time, "go", "");
-                }
-                return command;
-            }
-            Decision::Stop(reason) => (reason, false),
-            Decision::Replan(reason) => (reason, true),
-        };
-        if self.stopping.is_none() && fast {
-            self.emergency_stops += 1;
+        self.emergency_stops += u32::from(step.stopped && fast);
+        if step.replanned {
+            self.take(&pilot.guide().course, t, &step);
         }
-        if self.stopping.as_ref() != Some(&reason.text) {
-            self.event(seen.time, "stop", reason.text.clone());
-            self.stopping = Some(reason.text.clone());
+        if let Some(tracer) = &mut self.tracer {
+            tracer.step(&seen, &step, pilot);
         }
-        if replan {
-            self.replan(&reason, seen, controller, ctx);
-        }
-        Command::default()
+        self.plan_seconds.extend(step.plan_seconds);
+        self.events.extend(step.events);
+        step.command
     }
 
-    fn replan(&mut self, reason: &Reason, seen: &Observation, controller: &mut dyn Controller, ctx: &mut Context) {
-        let Some(replanner) = self.job.replanner else {
-            self.event(seen.time, "no-plan", "there is no replanner");
-            return;
-        };
-        let mut inner = Context::new(ctx.seed().wrapping_add(u64::from(self.replans) + 1)).with_threads(ctx.threads());
-        let course = changed(self.job.query, &self.job.robot, seen, reason, (&self.course, self.s))
-            .and_then(|query| replanner(&query, &mut inner))
-            .and_then(|trajectory| Course::new(&trajectory));
-        match course {
-            Ok(course) => {
-                self.course = Arc::new(course);
-                self.log.courses.push((self.log.driven.len(), Arc::clone(&self.course)));
-                self.replans += 1;
-                (self.s, self.progress) = (0.0, (f64::INFINITY, seen.time));
-                controller.follow(&Arc::new(Guide::along(Arc::clone(&self.course))));
-                self.event(seen.time, "replan", reason.text.clone());
-            }
-            Err(e) => self.event(seen.time, "no-plan", e.name()),
+    /// A scan of what is there, when the lidar has turned.
+    fn scan(&mut self, pose: [f64; 3], t: f64) -> Option<Scan> {
+        let Sense::Lidar(lidar) = self.job.sense else { return None };
+        if t + 1e-9 < self.next_scan {
+            return None;
+        }
+        self.next_scan += 1.0 / lidar.rate;
+        let movers: Vec<(Outline, Point)> = self.stage.present().map(|(_, mover, outline)| (outline.clone(), mover.at(t).0)).collect();
+        Some(lidar.scan(&self.job.query.world, &movers, (pose, t), &mut self.rays))
+    }
+
+    /// A new course is in force. It is no progress by itself.
+    fn take(&mut self, course: &Arc<Course>, t: f64, step: &Step) {
+        self.course = Arc::clone(course);
+        self.log.courses.push((self.log.driven.len(), Arc::clone(course)));
+        (self.s, self.progress.0) = (0.0, course.length() + 0.05);
+        if let Some(tracer) = &mut self.tracer {
+            let why = step.events.iter().rev().find(|e| e.kind == "replan").map_or("", |e| &e.reason);
+            tracer.plan(t, course, why);
         }
     }
 
@@ -304,7 +303,7 @@ impl<'a> Drive<'a> {
         self.ended = Some(t);
     }
 
-    fn finish(mut self, outcome: Outcome, m: Motion) -> Run {
+    fn finish(mut self, outcome: Outcome, m: Motion, replans: u32) -> Run {
         let end = self.ended.unwrap_or(self.steps as f64 * self.job.period);
         if self.log.driven.last().is_none_or(|r| r[0] < end) {
             self.log.driven.push([end, m.pose[0], m.pose[1], m.pose[2], m.v, m.w]);
@@ -316,50 +315,19 @@ impl<'a> Drive<'a> {
             outcome,
             time: end - first,
             movers: self.job.query.world.movers().iter().zip(&self.stage.since).map(|(m, s)| recorded(m, *s, end)).collect(),
-            replans: self.replans,
+            replans,
             min_separation: Separation { still: finite(self.judge.still), movers: finite(self.judge.moving) },
             emergency_stops: self.emergency_stops,
             step_seconds: Percentiles::of(self.seconds),
+            plan_seconds: Percentiles::of(self.plan_seconds),
             tracking: self.log.tracking(goal, self.job.trajectory.limits.jerk, &self.job.robot, self.job.period),
             energy: self.log.energy(),
             driven: self.log.driven,
             events: self.events,
             collision: self.collision,
             cancelled: self.cancelled,
+            trace: self.tracer.map(Tracer::finish),
         }
-    }
-}
-
-/// The query from where the robot is, in a world that holds the place in the way as a disc. Clearance and disc shrink as far as the robot's own
-/// place needs it, so that it can leave.
-fn changed(query: &Query, robot: &Robot, seen: &Observation, reason: &Reason, (course, s): (&Course, f64)) -> Result<Query, PlanError> {
-    let start = [seen.pose[0], seen.pose[1]];
-    let body = robot.footprint.circumscribed();
-    let clearance = query.clearance.min(query.world.clearance(start) - body - 1e-6).max(0.0);
-    let needed = body + clearance;
-    let disc = reason.place.and_then(|(center, radius)| {
-        let room = distance(center, start) - needed - 1e-6;
-        let clear_goal = distance(center, query.goal) - body - query.clearance - 1e-6;
-        let radius = radius.min(room).min(clear_goal);
-        (radius > 0.0).then_some(Shape::Disc { center, radius })
-    });
-    let ahead = |p: &&Point| course.project(**p, 0.0, course.length()).0 > s + 0.1;
-    Ok(Query {
-        world: Arc::new(overlaid(&query.world, disc)?),
-        start,
-        start_yaw: Some(seen.pose[2]),
-        via: query.via.iter().filter(ahead).copied().collect(),
-        clearance,
-        ..query.clone()
-    })
-}
-
-/// The static part of a world with one shape more.
-fn overlaid(world: &World, extra: Option<Shape>) -> Result<World, PlanError> {
-    let shapes: Vec<Shape> = world.shapes().iter().cloned().chain(extra).collect();
-    match world.grid() {
-        Some(grid) => Ok(World::from_grid(grid.clone()).with_shapes(shapes)),
-        None => World::from_shapes(world.bounds(), shapes, world.resolution()),
     }
 }
 

@@ -3,6 +3,7 @@
 //! [`execute`] drives a planned [`crate::timing::Trajectory`] in a world that moves and returns a [`Run`]. The controller sees an [`Observation`] only: a
 //! noisy pose, the speeds and the movers that are visible. The run is judged with the true state, exactly.
 
+mod ask;
 mod controllers;
 mod course;
 mod dwa;
@@ -13,7 +14,9 @@ mod filter;
 mod guide;
 mod lidar;
 mod local;
+mod navigator;
 mod outline;
+mod pilot;
 mod predictive;
 mod rays;
 mod record;
@@ -23,21 +26,26 @@ mod separation;
 #[cfg(test)]
 mod testing;
 mod to_go;
+mod trace;
 mod tracker;
 mod unicycle;
 
+pub use ask::{Ask, Planning, Replanner};
 pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
 pub use course::Course;
 pub use dwa::Dwa;
-pub use execute::{Job, Replanner, Sense, execute, execute_on};
+pub use execute::{Job, Sense, execute, execute_on};
 pub use eyes::Eyes;
-pub use guide::Guide;
+pub use guide::{Guide, Passing, SubGoals};
 pub use lidar::{Lidar, Scan};
+pub use navigator::OwnReplanner;
 pub use outline::Outline;
+pub use pilot::{Pilot, Step};
 pub use predictive::Predictive;
-pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Tracking};
+pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Sketch, Tracking};
 pub use sense::{Track, visible};
 pub use to_go::{CostToGo, DEAR, Soft};
+pub use trace::{PlanRow, StepRow, Trace};
 pub use tracker::Tracker;
 pub use unicycle::{Unicycle, UnicyclePlant};
 
@@ -176,6 +184,10 @@ pub trait Controller: Send {
     fn follow(&mut self, guide: &Arc<Guide>);
     /// One control step.
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision;
+    /// What the last step had in mind, for pictures.
+    fn trace(&self) -> Option<Sketch> {
+        None
+    }
 }
 
 /// A mobile base: simulated or real.

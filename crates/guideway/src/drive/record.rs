@@ -1,6 +1,6 @@
 //! The record of a run, as `run.json` holds it, and the figures made from it.
 
-use super::{Course, Outline, Robot};
+use super::{Course, Outline, Robot, Trace};
 use crate::Point;
 use crate::world::shape::{distance, wrap};
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,8 @@ pub struct Run {
     pub emergency_stops: u32,
     /// Wall-clock time of one decision, s.
     pub step_seconds: Percentiles,
+    /// Wall-clock time of one new plan, s.
+    pub plan_seconds: Percentiles,
     /// How well the motion was followed.
     pub tracking: Tracking,
     /// Energy of a nominal robot on this drive.
@@ -48,6 +50,8 @@ pub struct Run {
     pub collision: Option<Collision>,
     /// The caller cancelled; the record is partial.
     pub cancelled: bool,
+    /// What reports show of single steps, where it was asked for.
+    pub trace: Option<Trace>,
 }
 
 /// One mover over time.
@@ -124,10 +128,23 @@ pub struct Energy {
 pub struct Event {
     /// s since the start of the run.
     pub t: f64,
-    /// `stop`, `go`, `replan`, `no-plan`, `collision` or `cancel`.
+    /// `stop`, `go`, `replan`, `no-plan`, `collision`, `cancel`, and what leads to them: `blocked`, `sub-goal missed`, `dear`, `tabu`, `expired`, `blind`.
     pub kind: String,
     /// For people.
     pub reason: String,
+}
+
+/// What a controller had in mind in its last step, for pictures; positions in the map frame, m.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sketch {
+    /// Some of the candidates, the best first, as polylines.
+    pub fan: Vec<Vec<Point>>,
+    /// What was chosen; empty where nothing was.
+    pub chosen: Vec<Point>,
+    /// Centre and radius of discs that hold all that movers could reach before the robot stands after its next command.
+    pub discs: Vec<[f64; 3]>,
+    /// Where the heading leads to, if anywhere.
+    pub sub_goal: Option<Point>,
 }
 
 /// What was hit, and whether a parked robot would have been hit as well.

@@ -7,6 +7,8 @@ use super::envelope::{self, Row, Rule, Sink};
 use super::grid::{Cell, MAX_CELLS, MAX_SIDE};
 use crate::Point;
 use crate::error::PlanError;
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Nearest set cell of every cell, between centres.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -143,9 +145,19 @@ impl SquareField {
         if set.is_empty() {
             Self::Empty
         } else if set.width().max(set.height()) <= SHORT_SIDE {
-            Self::Short(Squares::of(set))
+            Self::Short(Squares::of(set, vec![0; cells_of(set)], &[0..set.height()]))
         } else {
-            Self::Long(Squares::of(set))
+            Self::Long(Squares::of(set, vec![0; cells_of(set)], &[0..set.height()]))
+        }
+    }
+    /// The field of `set` where this is the one of `before`, which differs in the cells `changed`. Only rows that a changed cell can be nearest to are computed.
+    pub fn updated(&self, before: &Bits, set: &Bits, changed: &[Cell]) -> Self {
+        let rows = || rows_touched(before, set, changed);
+        match self {
+            _ if set.is_empty() => Self::Empty,
+            Self::Empty => Self::new(set),
+            Self::Short(all) => Self::Short(Squares::of(set, all.clone(), &rows())),
+            Self::Long(all) => Self::Long(Squares::of(set, all.clone(), &rows())),
         }
     }
     /// Distance of the cell with that index, cells.
@@ -169,10 +181,13 @@ struct Squares<T> {
 }
 
 impl<T: Copy + Default + From<u16> + TryFrom<u64>> Squares<T> {
-    fn of(set: &Bits) -> Vec<T> {
+    /// Fills these rows of `out`.
+    fn of(set: &Bits, out: Vec<T>, rows: &[Range<u32>]) -> Vec<T> {
         let width = set.width() as usize;
-        let mut sink = Self { width, out: vec![T::default(); width * set.height() as usize], borders: vec![0; width + 1] };
-        envelope::transform(set, &mut sink);
+        let mut sink = Self { width, out, borders: vec![0; width + 1] };
+        for part in rows {
+            envelope::transform_rows(set, part.start as usize..part.end as usize, &mut sink);
+        }
         sink.out
     }
 }
@@ -199,6 +214,30 @@ impl<T: Copy + Default + From<u16> + TryFrom<u64>> Sink for Squares<T> {
     }
 }
 
+fn cells_of(set: &Bits) -> usize {
+    set.width() as usize * set.height() as usize
+}
+
+/// Rows, apart from each other, in which a column's distance to its nearest set cell may differ: around each changed cell up to the next one that is set before and after.
+fn rows_touched(before: &Bits, set: &Bits, changed: &[Cell]) -> Vec<Range<u32>> {
+    let kept = |x: u32, y: &u32| before.at(x, *y) && set.at(x, *y);
+    let around = |&[x, y]: &Cell| {
+        let low = (0..y).rev().find(|y| kept(x, y)).map_or(0, |y| y + 1);
+        let high = (y + 1..set.height()).find(|y| kept(x, y)).unwrap_or(set.height());
+        low..high
+    };
+    let mut rows: Vec<Range<u32>> = changed.iter().map(around).collect();
+    rows.sort_by_key(|r| r.start);
+    let mut apart: Vec<Range<u32>> = Vec::new();
+    for next in rows {
+        match apart.last_mut() {
+            Some(last) if next.start <= last.end => last.end = last.end.max(next.end),
+            _ => apart.push(next),
+        }
+    }
+    apart
+}
+
 fn check(set: &Bits) -> Result<(), PlanError> {
     let (w, h) = (set.width(), set.height());
     if w.max(h) > MAX_SIDE || u64::from(w) * u64::from(h) > MAX_CELLS {
@@ -213,13 +252,13 @@ pub struct ClearanceField {
     width: u32,
     height: u32,
     resolution: f64,
-    squares: SquareField,
+    squares: Arc<SquareField>,
     /// Distance to the nearest shape, m; empty without shapes.
     shapes: Vec<f64>,
 }
 
 impl ClearanceField {
-    pub(super) fn new(size: [u32; 2], resolution: f64, squares: SquareField, shapes: Vec<f64>) -> Self {
+    pub(super) fn new(size: [u32; 2], resolution: f64, squares: Arc<SquareField>, shapes: Vec<f64>) -> Self {
         Self { width: size[0], height: size[1], resolution, squares, shapes }
     }
     /// Columns.
@@ -253,7 +292,7 @@ impl ClearanceField {
     /// The cells whose centre has at least this clearance, m.
     pub fn at_least(&self, clearance: f64) -> Bits {
         let mut bits = Bits::new(self.width, self.height);
-        if let (SquareField::Short(all), true, true) = (&self.squares, self.shapes.is_empty(), clearance > 0.0) {
+        if let (SquareField::Short(all), true, true) = (&*self.squares, self.shapes.is_empty(), clearance > 0.0) {
             let least = self.least_square(clearance);
             for (y, line) in (0..self.height).zip(all.chunks(self.width as usize)) {
                 for (part, word) in line.chunks(64).zip(bits.row_mut(y)) {

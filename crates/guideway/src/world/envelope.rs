@@ -6,6 +6,7 @@
 //! its survivors cost a division.
 
 use super::bits::Bits;
+use std::ops::Range;
 
 /// Widest offset that the window looks at, columns.
 const REACH: usize = 21;
@@ -73,22 +74,29 @@ pub(super) fn decode(key: i16, x: usize) -> (u32, usize) {
 
 /// Runs the transform of `set`, which must not be empty.
 pub(super) fn transform<S: Sink>(set: &Bits, sink: &mut S) {
+    transform_rows(set, 0..set.height() as usize, sink);
+}
+
+/// The rows `rows` of the transform of `set`, which must not be empty.
+pub(super) fn transform_rows<S: Sink>(set: &Bits, rows: Range<usize>, sink: &mut S) {
     let (w, h) = (set.width() as usize, set.height() as usize);
-    let mut ups = vec![NONE; w * h];
-    for y in 0..h {
-        let (before, line) = ups.split_at_mut(y * w);
-        if y > 0 {
-            one_more(&before[(y - 1) * w..], &mut line[..w]);
-        }
+    if rows.is_empty() {
+        return;
+    }
+    let mut ups = vec![NONE; w * rows.len()];
+    ups[..w].copy_from_slice(&farther(set, (0..=rows.start).rev()));
+    for (k, y) in rows.clone().enumerate().skip(1) {
+        let (before, line) = ups.split_at_mut(k * w);
+        one_more(&before[(k - 1) * w..], &mut line[..w]);
         clear(set, y, &mut line[..w]);
     }
-    let mut row = Row { y: 0, rule: S::RULE, up: Vec::new(), down: vec![NONE; w], gap: vec![0; w] };
+    let mut row = Row { y: 0, rule: S::RULE, up: Vec::new(), down: farther(set, rows.end..h), gap: vec![0; w] };
     let mut window = Window::new(S::RULE, w);
     let mut stack = Vec::new();
-    for y in (0..h).rev() {
+    for (y, up) in rows.rev().zip(ups.chunks(w).rev()) {
         row.y = y;
         row.up.clear();
-        row.up.extend_from_slice(&ups[y * w..][..w]);
+        row.up.extend_from_slice(up);
         for d in &mut row.down {
             *d = d.saturating_add(1);
         }
@@ -113,6 +121,28 @@ pub(super) fn transform<S: Sink>(set: &Bits, sink: &mut S) {
             stretch(&row, &mut stack, [start, w], sink);
         }
     }
+}
+
+/// In how many rows from the first of `rows` on each column is set for the first time.
+fn farther(set: &Bits, rows: impl Iterator<Item = usize>) -> Vec<u16> {
+    let mut line = vec![NONE; set.width() as usize];
+    let mut open: Vec<u64> = vec![!0; set.width().div_ceil(64) as usize];
+    for (steps, y) in (0..NONE).zip(rows) {
+        let mut rest = 0;
+        for ((open, &word), part) in open.iter_mut().zip(set.row(y as u32)).zip(line.chunks_mut(64)) {
+            let mut new = word & *open;
+            while new != 0 {
+                part[new.trailing_zeros() as usize] = steps;
+                new &= new - 1;
+            }
+            *open &= !word;
+            rest |= *open;
+        }
+        if rest == 0 {
+            break;
+        }
+    }
+    line
 }
 
 /// `to = from + 1`, at most [`NONE`].

@@ -74,6 +74,17 @@ impl Grid {
     pub fn unknown(&self) -> Option<&Bits> {
         self.unknown.as_ref()
     }
+    /// The same grid with these cells blocked or free, which nobody need wonder about any more. They must be inside.
+    pub(super) fn with(&self, changes: &[(Cell, bool)]) -> Self {
+        let mut grid = self.clone();
+        for &([x, y], on) in changes {
+            grid.blocked.set(x, y, on);
+            if let Some(unknown) = &mut grid.unknown {
+                unknown.set(x, y, false);
+            }
+        }
+        grid
+    }
     /// Map frame (m) to grid frame (cells, real-valued; cell `(i, j)` covers `[i, i+1] x [j, j+1]`).
     #[inline]
     pub fn to_cells(&self, p: Point) -> Point {

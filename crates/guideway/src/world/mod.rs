@@ -16,6 +16,7 @@ mod segment;
 pub mod shape;
 #[cfg(test)]
 mod tests;
+mod update;
 
 pub use bits::Bits;
 pub use distance::{ClearanceField, DistanceField, distance_transform, distances};
@@ -45,6 +46,8 @@ pub struct World {
     resolution: f64,
     movers: Vec<Mover>,
     lattices: Mutex<Vec<(u64, Arc<Lattice>)>>,
+    /// Distances to blocked cells, and clearances, which hold them.
+    squares: OnceLock<Arc<distance::SquareField>>,
     field: OnceLock<Arc<ClearanceField>>,
 }
 
@@ -61,7 +64,16 @@ impl World {
             fold(1, f64::max, f64::NEG_INFINITY),
         ];
         let resolution = grid.resolution();
-        Self { grid: Some(grid), shapes: Vec::new(), bounds, resolution, movers: Vec::new(), lattices: Mutex::default(), field: OnceLock::new() }
+        Self {
+            grid: Some(grid),
+            shapes: Vec::new(),
+            bounds,
+            resolution,
+            movers: Vec::new(),
+            lattices: Mutex::default(),
+            squares: OnceLock::new(),
+            field: OnceLock::new(),
+        }
     }
 
     /// A continuous world: `bounds` = [x0, y0, x1, y1] in m, shapes, and the `resolution` (m) of the lattice that grid planners see.
@@ -77,7 +89,16 @@ impl World {
             let allowed = format!("a positive cell side in m that gives at most {MAX_CELLS} cells, sides up to {MAX_SIDE} cells");
             return Err(PlanError::bad("world.resolution", resolution, allowed));
         }
-        Ok(Self { grid: None, shapes, bounds, resolution, movers: Vec::new(), lattices: Mutex::default(), field: OnceLock::new() })
+        Ok(Self {
+            grid: None,
+            shapes,
+            bounds,
+            resolution,
+            movers: Vec::new(),
+            lattices: Mutex::default(),
+            squares: OnceLock::new(),
+            field: OnceLock::new(),
+        })
     }
 
     /// Adds analytic shapes to the static world.
@@ -122,6 +143,7 @@ impl World {
             resolution: self.resolution,
             movers,
             lattices: Mutex::new(lattices),
+            squares: self.squares.clone(),
             field: self.field.clone(),
         }
     }
@@ -289,7 +311,8 @@ impl World {
     /// Clearance of every cell centre of the lattice that grid planners see; computed at the first call and kept.
     pub fn clearance_field(&self) -> Arc<ClearanceField> {
         Arc::clone(self.field.get_or_init(|| {
-            let squares = self.grid.as_ref().map_or(distance::SquareField::Empty, |g| distance::SquareField::new(g.blocked()));
+            let of_grid = || Arc::new(self.grid.as_ref().map_or(distance::SquareField::Empty, |g| distance::SquareField::new(g.blocked())));
+            let squares = Arc::clone(self.squares.get_or_init(of_grid));
             Arc::new(ClearanceField::new(self.cells(), self.resolution, squares, self.shape_distances()))
         }))
     }

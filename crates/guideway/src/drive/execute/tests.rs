@@ -1,7 +1,8 @@
 use super::super::testing::{drive, drive_with, legs, limits, parked, query, room, shuttle};
-use super::super::{Controller, Decision};
+use super::super::{Ask, Controller, Decision, Guide, Observation};
 use super::*;
-use crate::world::{Appears, Footprint, Loop};
+use crate::Point;
+use crate::world::{Appears, Footprint, Loop, Shape};
 use serde_json::{Value, json};
 
 const ROOM: [f64; 4] = [0.0, 0.0, 10.0, 6.0];
@@ -66,8 +67,9 @@ fn a_parked_mover_without_a_new_plan_is_stuck_and_with_one_is_passed() {
     let run = drive("tracker", &query, &BEND, 1, |job| job.stuck_after = 12.0);
     assert_eq!(run.outcome, Outcome::Stuck);
     assert!(run.events.iter().any(|e| e.kind == "no-plan"));
-    let around = |q: &Query, _: &mut Context| {
-        assert!(q.world.clearance([3.0, 1.0]) < 0.0 && q.start_yaw.is_some());
+    let around = |ask: &Ask, _: &mut Context| {
+        let q = &ask.query;
+        assert!(q.world.clearance([3.0, 1.0]) < 0.0 && (q.start_yaw.is_some() || ask.speed > 0.0));
         Ok(legs(&[q.start, [1.8, 2.5], [5.0, 2.5], q.goal], limits()))
     };
     let run = drive_with("tracker", &query, (&BEND, Some(&around)), 1, |_| {});

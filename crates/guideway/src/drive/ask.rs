@@ -1,0 +1,100 @@
+//! What is asked of the global layer when a new plan is needed.
+
+use super::{Course, Observation, Robot};
+use crate::Point;
+use crate::context::Context;
+use crate::error::PlanError;
+use crate::plan::{Planner, Solution};
+use crate::query::{Limits, Query};
+use crate::refine::{Refiner, Smooth};
+use crate::timing::{self, TimingOptions, Trajectory};
+use crate::world::shape::distance;
+use crate::world::{Footprint, Shape, World};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Room to obstacles below which no plan is asked for where the covering disc does not fit, m beyond the inscribed circle.
+const TIGHT: f64 = 0.02;
+/// A robot is at rest below this, m/s.
+const SLOW: f64 = 0.05;
+/// Room left around the robot's own place and the goal, m.
+const SPARE: f64 = 1e-6;
+
+/// A new plan from where the robot is, in the world as it knows it, with what is in the way.
+#[derive(Debug, Clone)]
+pub struct Ask {
+    /// From where to where. The start heading is set if the robot is at rest.
+    pub query: Query,
+    /// Speed of the robot, m/s.
+    pub speed: f64,
+}
+
+/// Plans and times a new motion.
+pub type Replanner<'a> = dyn Fn(&Ask, &mut Context) -> Result<Trajectory, PlanError> + Sync + 'a;
+
+/// A planner, the smoothing and the timing in one, with what the planner remembers from plan to plan.
+pub struct Planning {
+    planner: Box<dyn Planner>,
+    limits: Limits,
+    previous: Mutex<Option<Solution>>,
+}
+
+impl Planning {
+    /// Plans with `planner` and moves within `limits`.
+    pub fn new(planner: Box<dyn Planner>, limits: Limits) -> Self {
+        Self { planner, limits, previous: Mutex::new(None) }
+    }
+
+    /// A motion for what is asked: the planner repairs its last plan if it can, a path that cannot be smoothed is driven as it is, and one that cannot be entered at the
+    /// robot's speed is entered from rest.
+    /// # Errors
+    /// Those of the planner and of the timing.
+    pub fn motion(&self, ask: &Ask, ctx: &mut Context) -> Result<Trajectory, PlanError> {
+        let query = &ask.query;
+        let mut previous = self.previous.lock().unwrap_or_else(PoisonError::into_inner);
+        let solution = match previous.as_ref() {
+            Some(known) => self.planner.replan(known, query, ctx)?,
+            None => self.planner.plan(query, ctx)?,
+        };
+        let path = Smooth::default().refine(&solution.path, query, ctx).map_or_else(|_| solution.path.clone(), |refined| refined.path);
+        *previous = Some(solution);
+        let start_speed = ask.speed.clamp(0.0, self.limits.speed);
+        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, start_speed, ..TimingOptions::default() };
+        match timing::time(&path, &self.limits, &options, ctx) {
+            Err(_) if start_speed > 0.0 => timing::time(&path, &self.limits, &TimingOptions { start_speed: 0.0, ..options }, ctx),
+            result => result,
+        }
+    }
+}
+
+/// What is asked where a disc of some radius is to fit, the largest first: the disc that covers the robot with its clearance and without, then the inscribed one
+/// and a little. Each shrinks as far as the robot's own place needs it, so that it can leave. A robot that keeps `rolling` starts at its speed.
+pub(super) fn asks(
+    (query, robot): (&Query, &Robot),
+    (seen, rolling): (&Observation, bool),
+    world: &World,
+    (course, s): (&Course, f64),
+    extra: &[(Point, f64)],
+) -> Vec<(f64, Ask)> {
+    let start = [seen.pose[0], seen.pose[1]];
+    let (body, core) = (robot.footprint.circumscribed(), robot.footprint.inscribed());
+    let room = world.clearance(start) - SPARE;
+    let mut radii: Vec<f64> = [body + query.clearance, body, (core + TIGHT).min(body)].map(|r| r.min(room).max(0.0)).to_vec();
+    radii.dedup();
+    let ahead = |p: &&Point| course.project(**p, 0.0, course.length()).0 > s + 0.1;
+    let via: Vec<Point> = query.via.iter().filter(ahead).copied().collect();
+    let resting = seen.v < SLOW || !rolling;
+    let ask = |radius: f64| {
+        let (footprint, clearance) = if radius >= body { (robot.footprint.clone(), radius - body) } else { (Footprint::Disc(radius), 0.0) };
+        let shapes = extra.iter().filter_map(|&(center, r)| around(center, r, radius, [start, query.goal]));
+        let start_yaw = resting.then_some(seen.pose[2]);
+        let query = Query { world: Arc::new(world.extended(shapes)), start, start_yaw, via: via.clone(), clearance, footprint, ..query.clone() };
+        (radius, Ask { query, speed: if resting { 0.0 } else { seen.v } })
+    };
+    radii.into_iter().map(ask).collect()
+}
+
+/// A disc as an obstacle that leaves the robot's own place and the goal free, if anything is left of it.
+fn around(center: Point, radius: f64, body: f64, free: [Point; 2]) -> Option<Shape> {
+    let radius = free.iter().map(|p| distance(center, *p) - body - SPARE).fold(radius, f64::min);
+    (radius > 0.0).then_some(Shape::Disc { center, radius })
+}

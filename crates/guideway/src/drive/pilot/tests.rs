@@ -1,0 +1,170 @@
+use super::super::testing::{legs, limits, parked, query, room};
+use super::super::{Ask, Outcome, Outline, Planning, Run, Setup, Track, controller, execute};
+use super::*;
+use crate::plan;
+use crate::world::shape::distance;
+use crate::world::{Appears, Footprint, Mover, Shape, World};
+use serde_json::Value;
+
+const ROOM: [f64; 4] = [0.0, 0.0, 10.0, 6.0];
+
+fn planning() -> Planning {
+    Planning::new(plan::planner("visibility", Value::Null).unwrap(), limits())
+}
+
+fn wall(x: [f64; 2], y: [f64; 2]) -> Shape {
+    Shape::polygon(vec![[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]).unwrap()
+}
+
+/// Drives from (1, 3) to (9, 3) with the tracker and the exact planner.
+fn run(world: &Arc<World>, change: impl FnOnce(&mut Job)) -> Run {
+    let query = query(world, &[[1.0, 3.0], [9.0, 3.0]]);
+    let planning = planning();
+    let motion = planning.motion(&Ask { query: query.clone(), speed: 0.0 }, &mut Context::new(0)).unwrap();
+    let replanner = |ask: &Ask, ctx: &mut Context| planning.motion(ask, ctx);
+    let mut job = Job::new(&query, &motion).unwrap();
+    job.replanner = Some(&replanner);
+    job.trace = true;
+    change(&mut job);
+    let setup = Setup { world: Arc::clone(world), robot: job.robot.clone(), clearance: query.clearance };
+    let mut tracker = controller("tracker", Value::Null, &setup).unwrap();
+    execute(&job, tracker.as_mut(), &mut Context::new(1)).unwrap()
+}
+
+fn kinds(run: &Run) -> Vec<&str> {
+    run.events.iter().map(|e| e.kind.as_str()).collect()
+}
+
+#[test]
+fn a_blocked_corridor_becomes_tabu_and_the_way_leads_around() {
+    // Two corridors; the lower one, on the straight line, gets blocked when the robot comes.
+    let walls = vec![wall([4.0, 6.0], [3.6, 4.4]), wall([4.0, 6.0], [0.0, 2.4])];
+    let blocker = Mover { appears: Some(Appears::Within(3.0)), ..parked(0.5, [5.0, 3.0]) };
+    let world = room(ROOM, walls, vec![blocker]);
+    let run = run(&world, |_| {});
+    assert_eq!(run.outcome, Outcome::Arrived, "{:?}", run.events);
+    let seen = kinds(&run);
+    let at = |kind: &str| seen.iter().position(|k| *k == kind).unwrap_or_else(|| panic!("no {kind} in {:?}", run.events));
+    assert!(at("stop") < at("blocked") && at("blocked") < at("tabu") && at("tabu") < at("replan"));
+    assert!(run.replans >= 1 && run.replans <= 3, "{:?}", run.events);
+    let trace = run.trace.unwrap();
+    assert_eq!(trace.plans.len() as u32, run.replans + 1);
+    assert!(trace.plans[1].path.iter().any(|p| p[1] > 4.4) && trace.steps.len() > 50 && trace.steps.len() <= 2000);
+    assert!(trace.steps.iter().any(|s| s.state != "drive") && trace.steps.iter().any(|s| !s.tracks.is_empty()));
+}
+
+#[test]
+fn a_robot_that_is_walled_in_is_stuck() {
+    let ring = |i: u32| {
+        let (s, c) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
+        Mover { appears: Some(Appears::At(0.5)), ..parked(0.35, [1.2 + 1.1 * c, 3.0 + 1.1 * s]) }
+    };
+    let world = room(ROOM, Vec::new(), (0..12).map(ring).collect());
+    let run = run(&world, |job| job.stuck_after = 15.0);
+    assert_eq!(run.outcome, Outcome::Stuck, "{:?}", run.events);
+    assert!(kinds(&run).contains(&"no-plan") && run.events.iter().any(|e| e.reason == "NoPath"), "{:?}", run.events);
+    assert!(run.collision.is_none());
+}
+
+#[test]
+fn a_goal_that_stays_occupied_ends_stuck_before_it() {
+    let world = room(ROOM, Vec::new(), vec![Mover { appears: Some(Appears::At(1.0)), ..parked(0.5, [9.0, 3.0]) }]);
+    let run = run(&world, |job| job.stuck_after = 15.0);
+    assert_eq!(run.outcome, Outcome::Stuck, "{:?} {:?}", run.events, run.driven.iter().step_by(50).collect::<Vec<_>>());
+    assert!(run.collision.is_none() && run.tracking.tpe < 2.0, "{:?}", run.tracking);
+}
+
+/// A pilot along a straight line in an empty room, and the room.
+fn pilot(replan: bool) -> (Pilot<'static>, Arc<World>) {
+    let world = room(ROOM, Vec::new(), Vec::new());
+    let query = query(&world, &[[1.0, 3.0], [9.0, 3.0]]);
+    let motion = legs(&[[1.0, 3.0], [9.0, 3.0]], limits());
+    let robot = Robot::new(query.footprint.clone(), &limits()).unwrap();
+    let setup = Setup { world: Arc::clone(&world), robot: robot.clone(), clearance: 0.1 };
+    let planning = planning();
+    let replanner: Option<Box<OwnReplanner<'static>>> = replan.then(|| -> Box<OwnReplanner> { Box::new(move |ask, ctx| planning.motion(ask, ctx)) });
+    (Pilot::new((&query, &motion), &robot, controller("tracker", Value::Null, &setup).unwrap(), replanner).unwrap(), world)
+}
+
+#[test]
+fn what_is_seen_newly_on_the_way_is_planned_around_while_driving() {
+    let (mut pilot, world) = pilot(true);
+    let mut ctx = Context::new(0);
+    let mut seen = Observation::new(0.0, [1.0, 3.0, 0.0], 0.5, 0.0);
+    seen.known = Some(Arc::clone(&world));
+    assert!(!pilot.step(&mut seen, None, &mut ctx).replanned);
+    let pillar = World::from_shapes(ROOM, vec![Shape::disc([5.0, 3.0], 0.5).unwrap()], 0.05).unwrap();
+    let mut seen = Observation::new(0.5, [1.5, 3.0, 0.0], 0.5, 0.0);
+    seen.known = Some(Arc::new(pillar));
+    let step = pilot.step(&mut seen, None, &mut ctx);
+    assert!(step.replanned && step.stop.is_none() && step.command.v > 0.1, "{step:?}");
+    let course = &pilot.guide().course;
+    assert!(course.states().iter().all(|s| distance([s.pose[0], s.pose[1]], [5.0, 3.0]) > 0.74));
+    assert!(course.start().speed > 0.4 && pilot.guide().to_go.as_ref().unwrap().at([1.5, 3.0]) > 7.5);
+    // The same again is no reason, and nothing blocked is none either.
+    let again = seen.known.clone();
+    let mut seen = Observation::new(0.8, [1.6, 3.0, 0.0], 0.5, 0.0);
+    seen.known = again;
+    assert!(!pilot.step(&mut seen, None, &mut ctx).replanned);
+}
+
+#[test]
+fn without_any_way_it_stands_says_why_and_goes_when_there_is_one_again() {
+    let (mut pilot, world) = pilot(true);
+    let mut ctx = Context::new(0);
+    let closed = Arc::new(World::from_shapes(ROOM, vec![wall([4.0, 4.2], [0.0, 6.0])], 0.05).unwrap());
+    let mut events = Vec::new();
+    for k in 0..100 {
+        let mut seen = Observation::new(0.02 * f64::from(k), [1.0, 3.0, 0.0], 0.0, 0.0);
+        seen.known = Some(Arc::clone(&closed));
+        let step = pilot.step(&mut seen, None, &mut ctx);
+        assert!(step.stop.as_deref() == Some("no way to the goal (NoPath)") && step.command == Command::default(), "{step:?}");
+        events.extend(step.events);
+    }
+    assert_eq!(events.iter().filter(|e| e.kind == "no-plan").count(), 1, "{events:?}");
+    let mut seen = Observation::new(3.0, [1.0, 3.0, 0.0], 0.0, 0.0);
+    seen.known = Some(world);
+    let step = pilot.step(&mut seen, None, &mut ctx);
+    assert!(step.stop.is_none(), "{step:?}");
+}
+
+#[test]
+fn a_way_that_is_no_better_is_not_taken_after_a_tabu_has_expired() {
+    let (mut pilot, _) = pilot(true);
+    let mut ctx = Context::new(0);
+    let track = |at: [f64; 2]| Track { id: 0, outline: Outline::of(&Footprint::Disc(0.3)), position: at, velocity: [0.0; 2], bound: 0.0, doubt: 0.0 };
+    let (mut replans, mut expired) = (Vec::new(), 0);
+    for k in 0..700 {
+        let t = 0.02 * f64::from(k);
+        let mut seen = Observation::new(t, [2.0, 3.0, 0.0], 0.0, 0.0);
+        seen.tracks = if t < 1.2 { vec![track([2.65, 3.0])] } else { Vec::new() };
+        let step = pilot.step(&mut seen, None, &mut ctx);
+        replans.extend(step.replanned.then_some(t));
+        expired += step.events.iter().filter(|e| e.kind == "expired").count();
+    }
+    assert_eq!((replans.len(), expired), (1, 1), "{replans:?}");
+}
+
+#[test]
+fn blind_and_senseless_readings_stop_with_a_reason() {
+    let (mut pilot, _) = pilot(false);
+    let mut ctx = Context::new(0);
+    let mut old = Observation::new(0.0, [1.0, 3.0, 0.0], 0.0, 0.0);
+    old.age = 0.6;
+    let step = pilot.step(&mut old, None, &mut ctx);
+    assert!(step.stop.as_deref() == Some("nothing is seen") && step.events.iter().any(|e| e.kind == "blind"), "{step:?}");
+    for bad in [f64::NAN, f64::INFINITY] {
+        for k in 0..6 {
+            let mut seen = Observation::new(1.0, [1.0, 3.0, 0.0], 0.0, 0.0);
+            let all = [&mut seen.time, &mut seen.v, &mut seen.w];
+            match all.into_iter().nth(k) {
+                Some(field) => *field = bad,
+                None => seen.pose[k - 3] = bad,
+            }
+            let step = pilot.step(&mut seen, None, &mut ctx);
+            assert!(step.stop.is_some() && step.command == Command::default());
+        }
+    }
+    let mut good = Observation::new(2.0, [1.0, 3.0, 0.0], 0.0, 0.0);
+    assert!(pilot.step(&mut good, None, &mut ctx).stop.is_none());
+}

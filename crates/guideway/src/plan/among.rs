@@ -3,12 +3,14 @@
 use crate::context::{Context, Stop};
 use crate::error::PlanError;
 use crate::query::Query;
-use crate::timing::movers::{Among, Timed, among};
+use crate::timing::movers::{Among, Timed, Wanted, before};
 use crate::timing::{TimingOptions, Trajectory, first_pass};
 use serde_json::{Value, json};
 
 /// Ways past the obstacles that are tried where the first one is not free of movers.
 pub(super) const WAYS: usize = 8;
+/// Motions that are later than the first one without movers by no more than that are looked for first, on all ways, s.
+const PATIENCE: f64 = 4.0;
 
 /// A way that a planner may take: what it needs to know of it, and the motion as if there were no movers.
 pub(super) type Way<W> = (W, Trajectory);
@@ -31,68 +33,73 @@ pub(super) fn among_movers<W>(
         return Ok((way, plain, Value::Null));
     }
     let around = Among::new(movers, query.radius());
-    let untimed = |ways: usize, reason: String| json!({"timed": false, "movers": movers.len(), "ways": ways, "reason": reason});
-    let reason = match among(&plain.path, &plain.limits, options, &around, ctx) {
-        Ok(timed) if timed.record.delay <= 0.0 && timed.record.passive => return Ok(told((way, timed), 0, 1)),
-        Ok(timed) => {
-            let (found, number, tried) = others(Some((way, timed)), options, &around, make, ctx)?;
-            return found.map(|f| told(f, number, tried)).ok_or(PlanError::Cancelled);
-        }
-        Err(PlanError::Infeasible { reason, .. }) => reason,
-        Err(PlanError::Cancelled) => return Ok((way, plain, untimed(1, "cancelled".into()))),
-        Err(error) => return Err(error),
-    };
-    match others(None, options, &around, make, ctx)? {
-        (Some(found), number, tried) => Ok(told(found, number, tried)),
-        (None, _, 1) => Ok((way, plain, untimed(1, reason))),
-        (None, _, tried) => {
-            Ok((way, plain, untimed(tried, format!("{reason}; {} other ways past the obstacles have no such motion either", tried - 1))))
-        }
-    }
-}
-
-fn told<W>((way, timed): (W, Timed), number: usize, tried: usize) -> (W, Trajectory, Value) {
-    let mut record = json!(timed.record);
-    record["timed"] = true.into();
-    (record["way"], record["ways"]) = (number.into(), tried.into());
-    (way, timed.trajectory, record)
-}
-
-/// A way with its motion, its number, and how many were looked at.
-type Others<W> = (Option<(W, Timed)>, usize, usize);
-
-/// The best of one way, if it is one, and the others.
-fn others<W>(
-    mut best: Option<(W, Timed)>,
-    options: &TimingOptions,
-    around: &Among,
-    make: Make<W>,
-    ctx: &mut Context,
-) -> Result<Others<W>, PlanError> {
-    let (mut number, mut tried) = (0, 1);
-    for k in 1..WAYS {
-        if ctx.spent().is_some_and(|stop| stop == Stop::Cancelled || best.is_some()) {
-            break;
-        }
-        // A motion without passive safety gives way to any that has it.
-        let below = best.as_ref().filter(|b| b.1.record.passive).map_or(f64::INFINITY, |b| b.1.trajectory.duration());
-        let Some((way, plain)) = make(k, below, ctx) else { continue };
-        if plain.duration() >= below {
-            continue;
-        }
-        tried += 1;
-        match among(&plain.path, &plain.limits, options, around, ctx) {
-            Ok(timed) if best.as_ref().is_none_or(|b| better(&timed, &b.1)) => (best, number) = (Some((way, timed)), k),
-            Ok(_) | Err(PlanError::Infeasible { .. }) => {}
-            Err(PlanError::Cancelled) => break,
+    let soon = plain.duration() + PATIENCE;
+    let mut ways = Ways { options, known: vec![Some((way, plain))], tried: 1, reason: String::new() };
+    ways.known.resize_with(WAYS, || None);
+    let rounds = [(true, soon), (true, f64::INFINITY), (false, f64::INFINITY)];
+    for (passive, until) in rounds {
+        let wanted = Wanted { around: Among { passive, ..around }, until };
+        match ways.best(wanted, make, ctx) {
+            Ok(Some((k, timed))) => {
+                let Some((way, _)) = ways.known[k].take() else { continue };
+                let mut record = json!(timed.record);
+                record["timed"] = true.into();
+                (record["way"], record["ways"]) = (k.into(), ways.tried.into());
+                return Ok((way, timed.trajectory, record));
+            }
+            Ok(None) => {}
+            Err(PlanError::Cancelled) => {
+                ways.reason = "cancelled".into();
+                break;
+            }
             Err(error) => return Err(error),
         }
     }
-    Ok((best, number, tried))
+    let more = if ways.tried > 1 { format!("; {} other ways past the obstacles have no such motion either", ways.tried - 1) } else { String::new() };
+    let told = json!({"timed": false, "movers": movers.len(), "ways": ways.tried, "reason": ways.reason + &more});
+    let first = ways.known.swap_remove(0);
+    first.map(|(way, plain)| (way, plain, told)).ok_or(PlanError::Cancelled)
 }
 
-fn better(a: &Timed, b: &Timed) -> bool {
-    (a.record.passive, -a.trajectory.duration()) > (b.record.passive, -b.trajectory.duration())
+/// Ways as they become known.
+struct Ways<'a, W> {
+    options: &'a TimingOptions<'a>,
+    known: Vec<Option<Way<W>>>,
+    /// How many have been looked at.
+    tried: usize,
+    /// Why the first way has no motion.
+    reason: String,
+}
+
+impl<W> Ways<'_, W> {
+    /// The way with the earliest arrival and its motion, if there is one that is wanted.
+    fn best(&mut self, mut wanted: Wanted, make: Make<W>, ctx: &mut Context) -> Result<Option<(usize, Timed)>, PlanError> {
+        let mut best: Option<(usize, Timed)> = None;
+        for k in 0..WAYS {
+            if k > 0 && ctx.spent().is_some_and(|stop| stop == Stop::Cancelled || best.is_some()) {
+                break;
+            }
+            if self.known[k].is_none() {
+                self.known[k] = make(k, wanted.until, ctx);
+                self.tried += usize::from(self.known[k].is_some());
+            }
+            let Some((_, plain)) = self.known[k].as_ref().filter(|way| way.1.duration() < wanted.until) else { continue };
+            match before(&plain.path, &plain.limits, self.options, &wanted, ctx) {
+                Ok(timed) => {
+                    wanted.until = timed.trajectory.duration();
+                    let alone = k == 0 && timed.record.delay <= 0.0;
+                    best = Some((k, timed));
+                    if alone {
+                        break;
+                    }
+                }
+                Err(PlanError::Infeasible { reason, .. }) if k == 0 => self.reason = reason,
+                Err(PlanError::Infeasible { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(best)
+    }
 }
 
 /// No motion over that length (m) takes less, s.

@@ -1,7 +1,7 @@
 //! Movers as a search asks for them again and again: outline and top speed worked out once.
 
 use crate::Point;
-use crate::world::shape::{Shape, sub};
+use crate::world::shape::{Shape, dot, sub};
 use crate::world::{Appears, Loop, Mover};
 
 /// Least step of time where a walk along a course would stand still, s: two moments that close are one.
@@ -31,7 +31,9 @@ impl<'a> Course<'a> {
 
     /// Signed distance from `p` (m) to the outline at time `t` (s), m.
     pub fn distance(&self, p: Point, t: f64) -> f64 {
-        self.outline.distance(sub(p, self.mover.at(t).0))
+        let apart = sub(p, self.mover.at(t).0);
+        // A root is much cheaper than a hypotenuse that never overflows.
+        if let Shape::Disc { radius, .. } = self.outline { dot(apart, apart).sqrt() - radius } else { self.outline.distance(apart) }
     }
 
     /// Where the mover is at time `t` (s), m.

@@ -97,10 +97,29 @@ pub struct Record {
 /// As [`time`]; [`PlanError::Infeasible`] names the mover and the place where no motion was found; [`PlanError::BadParameter`] for a radius or latency that is
 /// negative, or speeds at the ends that are not zero where the plain motion will not do.
 pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Among, ctx: &mut Context) -> Result<Timed, PlanError> {
+    let asked = |passive: bool| Wanted { around: Among { passive, ..*around }, until: f64::INFINITY };
+    match before(path, limits, options, &asked(around.passive), ctx) {
+        Err(PlanError::Infeasible { .. }) if around.passive => before(path, limits, options, &asked(false), ctx),
+        other => other,
+    }
+}
+
+/// What a motion has to keep, passive safety with no way around it if it is asked for; and it arrives before `until` (s).
+pub(crate) struct Wanted<'a> {
+    pub around: Among<'a>,
+    pub until: f64,
+}
+
+/// As [`among`], and [`PlanError::Infeasible`] where the motion found would have no passive safety or be too late.
+pub(crate) fn before(path: &Path, limits: &Limits, options: &TimingOptions, wanted: &Wanted, ctx: &mut Context) -> Result<Timed, PlanError> {
+    let Wanted { around, until } = *wanted;
     around.validate()?;
     let plain = time(path, limits, options, ctx)?;
+    if plain.duration() >= until {
+        return Err(PlanError::Infeasible { reason: format!("the motion needs {:.2} s without movers", plain.duration()), best_end_speed: None });
+    }
     let courses = around.movers.iter().map(Course::new).collect();
-    let mut safety = Safety { path, limits: plain.limits, around: *around, courses };
+    let safety = Safety { path, limits: plain.limits, around, courses };
     let record = Record { movers: around.movers.len(), passive: around.passive, delay: 0.0, waiting: 0.0, tested: 1 };
     let Some(meeting) = safety.meeting(&plain.pieces, 0.0) else {
         return Ok(Timed { trajectory: plain, record });
@@ -112,39 +131,34 @@ pub fn among(path: &Path, limits: &Limits, options: &TimingOptions, around: &Amo
             "0 among movers that are in the way",
         ));
     }
-    let horizon = 4.0 * plain.duration() + 60.0;
+    let horizon = (4.0 * plain.duration() + 60.0).min(until);
     if let Some(closed) = safety.closed(horizon) {
         return Err(safety.hopeless(&closed, horizon));
     }
     if path.length() <= 0.0 {
         return Err(safety.hopeless(&meeting, horizon));
     }
-    let mut motions = Motions::new(&plain, options);
-    let mut tested = 1;
-    let rounds: &[bool] = if around.passive { &[true, false] } else { &[false] };
-    for &passive in rounds {
-        safety.around.passive = passive;
-        if !passive && safety.meeting(&plain.pieces, 0.0).is_none() {
-            return Ok(Timed { trajectory: plain, record: Record { passive, tested, ..record } });
+    let (mut motions, mut tested) = (Motions::new(&plain, options), 1);
+    match earliest(&mut motions, &safety, (horizon, until), (ctx, &mut tested))? {
+        Some(Found { trajectory, waiting }) => {
+            let delay = trajectory.duration() - plain.duration();
+            Ok(Timed { trajectory, record: Record { delay, waiting, tested, ..record } })
         }
-        if let Some(found) = earliest(&mut motions, &safety, horizon, (ctx, &mut tested))? {
-            let delay = found.trajectory.duration() - plain.duration();
-            return Ok(Timed { trajectory: found.trajectory, record: Record { passive, delay, waiting: found.waiting, tested, ..record } });
-        }
+        None => Err(safety.hopeless(&meeting, horizon)),
     }
-    Err(safety.hopeless(&meeting, horizon))
 }
 
-/// The search with cells of the path and moments that are coarse first: near in time, then up to the horizon (s), then fine.
+/// The search with cells of the path and moments that are coarse first: near in time, then up to the horizon (s), then, unless it is about being early, fine.
 fn earliest<'a>(
     motions: &mut Motions<'a>,
     safety: &Safety<'a>,
-    horizon: f64,
+    (horizon, until): (f64, f64),
     (ctx, tested): (&mut Context, &mut u64),
 ) -> Result<Option<Found>, PlanError> {
     let most = *tested + MOST;
-    let soon = motions.plain.duration() + SOON;
-    for (until, finer) in [(soon, 1.0), (horizon, 1.0), (horizon, FINER)] {
+    let soon = (motions.plain.duration() + SOON).min(horizon);
+    let rounds = [(soon, 1.0, true), (horizon, 1.0, soon < horizon), (horizon, FINER, until.is_infinite())];
+    for (until, finer, _) in rounds.into_iter().filter(|round| round.2) {
         let table = Table::new(safety.path, &safety.courses, safety.around.radius, until, finer);
         let found = Search::new(motions, safety, &table).run(ctx, tested, most)?;
         // The proof that does not rest on the table.

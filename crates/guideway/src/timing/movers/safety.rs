@@ -9,7 +9,7 @@ use crate::path::Path;
 use crate::query::Limits;
 use crate::timing::Piece;
 use crate::timing::scurve::{Bounds, State1, advance, transition};
-use crate::world::shape::{norm, sub};
+use crate::world::shape::{dot, sub};
 
 /// Intervals shorter than this are not halved again, s: what is not proved by then counts as too near.
 const MOMENT: f64 = 1e-4;
@@ -36,7 +36,7 @@ pub(super) struct Brake {
     /// When it is called for, s after the start of the motion.
     called: f64,
     /// Where the brake takes effect and some places on the way to rest: time since it was called for (s), arc length (m), place (m).
-    marks: Vec<(f64, f64, Point)>,
+    marks: [(f64, f64, Point); BRAKES.1 + 1],
 }
 
 /// Where and when a motion is too near to a mover.
@@ -170,7 +170,7 @@ impl Safety<'_> {
             let s = s + profile.at(part).0;
             (latency + part, s, self.point(s))
         };
-        Some(Brake { called: x, marks: (0..=BRAKES.1).map(mark).collect() })
+        Some(Brake { called: x, marks: std::array::from_fn(mark) })
     }
 
     /// Whether a brake of a motion that begins at time `start` (s) ends out of reach of the movers, with something to spare.
@@ -181,21 +181,22 @@ impl Safety<'_> {
     /// The mover that might be nearer than allowed somewhere along a brake. Seen from when the brake is called for, it may go anywhere at its top speed.
     fn unsafe_of(&self, brake: &Brake, start: f64, spare: f64) -> Option<usize> {
         let now = start + brake.called;
-        let (first, last) = (brake.marks.first()?, brake.marks.last()?);
+        let (first, last) = (brake.marks[0], brake.marks[BRAKES.1]);
         let kept = self.around.radius + spare;
         self.courses.iter().position(|course| {
-            if !course.present(now + last.0) {
-                return false;
-            }
-            let whole = norm(sub(first.2, course.at(now))) - course.reach - (last.1 - first.1) - course.speed * last.0;
-            whole < kept && {
+            let apart = sub(first.2, course.at(now));
+            let far = kept + course.reach + (last.1 - first.1) + course.speed * last.0;
+            course.present(now + last.0) && dot(apart, apart) < far * far && {
                 // Between two marks the distance is no less than what both allow.
-                let left: Vec<f64> = brake.marks.iter().map(|(t, _, p)| course.distance(*p, now) - course.speed * t).collect();
+                let left: [f64; BRAKES.1 + 1] = std::array::from_fn(|k| {
+                    let (t, _, p) = brake.marks[k];
+                    course.distance(p, now) - course.speed * t
+                });
                 let between = |k: usize| {
                     let ((t0, s0, _), (t1, s1, _)) = (brake.marks[k], brake.marks[k + 1]);
                     0.5 * (left[k] + left[k + 1] - (s1 - s0) - course.speed * (t1 - t0))
                 };
-                (0..left.len() - 1).any(|k| between(k) < kept)
+                (0..BRAKES.1).any(|k| between(k) < kept)
             }
         })
     }

@@ -18,7 +18,6 @@ use crate::error::PlanError;
 use crate::path::Path;
 use crate::query::Limits;
 use crate::world::Mover;
-use course::Course;
 use motions::Motions;
 use safety::Safety;
 use search::{Found, Search};
@@ -118,8 +117,7 @@ pub(crate) fn before(path: &Path, limits: &Limits, options: &TimingOptions, want
     if plain.duration() >= until {
         return Err(PlanError::Infeasible { reason: format!("the motion needs {:.2} s without movers", plain.duration()), best_end_speed: None });
     }
-    let courses = around.movers.iter().map(Course::new).collect();
-    let safety = Safety { path, limits: plain.limits, around, courses };
+    let safety = Safety::new(path, plain.limits, around);
     let record = Record { movers: around.movers.len(), passive: around.passive, delay: 0.0, waiting: 0.0, tested: 1 };
     let Some(meeting) = safety.meeting(&plain.pieces, 0.0) else {
         return Ok(Timed { trajectory: plain, record });

@@ -18,6 +18,9 @@ const BRAKES: (f64, usize) = (0.05, 6);
 /// A search keeps that much more to movers wherever it brakes, m, for what lies between the states that it looks at.
 const SPARE: f64 = 0.02;
 
+/// Wanted spacing of points of the path that a search looks up, m, and most of them.
+const PLACE: (f64, f64) = (0.01, 20_000.0);
+
 /// Spacing of the places (m) and moments (s) that are looked at for a place that is never free.
 const PLACES: f64 = 0.05;
 const MOMENTS: f64 = 0.1;
@@ -28,6 +31,27 @@ pub(super) struct Safety<'a> {
     pub limits: Limits,
     pub around: Among<'a>,
     pub courses: Vec<Course<'a>>,
+    places: Places,
+}
+
+/// Points of a path at even spacing (m): quick to look up.
+struct Places {
+    step: f64,
+    points: Vec<Point>,
+}
+
+impl Places {
+    fn new(path: &Path) -> Self {
+        let n = (path.length() / PLACE.0).ceil().clamp(1.0, PLACE.1);
+        let step = path.length() / n;
+        Self { step, points: (0..=n as usize).map(|k| path.planar(step * k as f64).point).collect() }
+    }
+
+    /// The nearest one to an arc length (m): no farther than half a step.
+    fn near(&self, s: f64) -> Point {
+        let k = if self.step > 0.0 { (s / self.step + 0.5) as usize } else { 0 };
+        self.points[k.min(self.points.len() - 1)]
+    }
 }
 
 /// A brake that is called for at one time of a motion.
@@ -72,7 +96,11 @@ pub(super) fn duration(pieces: &[Piece]) -> f64 {
     pieces.first().zip(pieces.last()).map_or(0.0, |(a, b)| b.start() + b.duration() - a.start())
 }
 
-impl Safety<'_> {
+impl<'a> Safety<'a> {
+    pub fn new(path: &'a Path, limits: Limits, around: Among<'a>) -> Self {
+        Self { path, limits, around, courses: around.movers.iter().map(Course::new).collect(), places: Places::new(path) }
+    }
+
     fn point(&self, s: f64) -> Point {
         self.path.planar(s.clamp(0.0, self.path.length())).point
     }
@@ -144,22 +172,22 @@ impl Safety<'_> {
             return None;
         }
         let at = |x: f64| state(pieces, x);
-        let brakes = (0..brakes(total)).filter_map(|k| self.brake(BRAKES.0 * k as f64, &at, total));
+        let brakes = (0..brakes(total)).filter_map(|k| self.brake(BRAKES.0 * k as f64, (&at, total), &|s| self.point(s)));
         brakes.into_iter().find_map(|brake| {
             let mover = self.unsafe_of(&brake, start, 0.0)?;
             Some(Meeting { mover, s: brake.marks[0].1, t: start + brake.called })
         })
     }
 
-    /// The brakes of a motion that has another one before and after it.
+    /// The brakes of a motion that has another one before and after it, at the nearest places that can be looked up.
     pub fn brakes(&self, motion: &Motion) -> Vec<Brake> {
         let at = |x: f64| motion.state(x);
-        (0..brakes(motion.duration)).filter_map(|k| self.brake(BRAKES.0 * k as f64, &at, motion.duration)).collect()
+        (0..brakes(motion.duration)).filter_map(|k| self.brake(BRAKES.0 * k as f64, (&at, motion.duration), &|s| self.places.near(s))).collect()
     }
 
     /// A brake called for `x` seconds after the start of a motion that lasts `total` (s): the motion goes on for the latency, at its last speed if it ends, then comes to
     /// rest as fast as it can. `None` if it is at rest by then: a robot that stands has done what it can.
-    fn brake(&self, x: f64, at: &dyn Fn(f64) -> (f64, f64, f64), total: f64) -> Option<Brake> {
+    fn brake(&self, x: f64, (at, total): (&dyn Fn(f64) -> Kinetic, f64), point: &dyn Fn(f64) -> Point) -> Option<Brake> {
         let latency = self.around.latency;
         let (s, v, a) = at((x + latency).min(total));
         let s = s + v * (x + latency - total).max(0.0);
@@ -168,14 +196,14 @@ impl Safety<'_> {
         let mark = |k: usize| {
             let part = time * k as f64 / BRAKES.1 as f64;
             let s = s + profile.at(part).0;
-            (latency + part, s, self.point(s))
+            (latency + part, s, point(s))
         };
         Some(Brake { called: x, marks: std::array::from_fn(mark) })
     }
 
     /// Whether a brake of a motion that begins at time `start` (s) ends out of reach of the movers, with something to spare.
     pub fn ends_well(&self, brake: &Brake, start: f64) -> bool {
-        self.unsafe_of(brake, start, SPARE).is_none()
+        self.unsafe_of(brake, start, SPARE + 0.5 * self.places.step).is_none()
     }
 
     /// The mover that might be nearer than allowed somewhere along a brake. Seen from when the brake is called for, it may go anywhere at its top speed.

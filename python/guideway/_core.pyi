@@ -318,6 +318,9 @@ def drive(
     arrival: float = 0.1,
     stop_at_goal: bool = True,
     time_limit: float | None = None,
+    sense: str = "truth",
+    lidar: Mapping[str, Any] | None = None,
+    map: str = "known",
     observe: _Observer | None = None,
     trace: bool = False,
 ) -> dict[str, Any]: ...

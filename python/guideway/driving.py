@@ -25,6 +25,9 @@ class Drive:
     arrival: float = 0.1
     stop_at_goal: bool = True
     time_limit: float | None = None
+    sense: str = "truth"
+    lidar: dict[str, Any] = field(default_factory=dict)
+    map: str = "known"
     observe: jobs.Observer | None = None
     trace: bool = False
 
@@ -40,17 +43,23 @@ def drive(
     arrival: float = 0.1,
     stop_at_goal: bool = True,
     time_limit: float | None = None,
+    sense: str = "truth",
+    lidar: dict[str, Any] | None = None,
+    map: str = "known",
     observe: jobs.Observer | None = None,
     trace: bool = False,
 ) -> dict[str, Any]:
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
     ``controller`` is one of :func:`guideway.controllers`, ``set`` holds its parameters; ``planner`` plans anew when the way is blocked; ``arrival``
-    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute); with
-    ``trace`` the record holds what reports show of single steps.
+    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute). ``sense`` is "truth" or
+    "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise`` in m, ``rate`` in Hz);
+    with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to plan the first motion in). With ``trace``
+    the record holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
-    asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit, observe, trace)
+    asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit)
+    asked.sense, asked.lidar, asked.map, asked.observe, asked.trace = sense, dict(lidar or {}), map, observe, trace
     return run(asked)
 
 
@@ -66,6 +75,9 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         arrival=drive.arrival,
         stop_at_goal=drive.stop_at_goal,
         time_limit=drive.time_limit,
+        sense=drive.sense,
+        lidar=drive.lidar or None,
+        map=drive.map,
         observe=drive.observe,
         trace=drive.trace,
     )
@@ -84,6 +96,9 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "controller": drive.controller,
         "planner": drive.planner,
         "seed": drive.seed,
+        "sense": drive.sense,
+        "lidar": drive.lidar or None,
+        "map": drive.map,
         "world": jobs.world_record(world, folder),
         "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
         "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),
@@ -107,6 +122,14 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "collision": raw["collision"],
         "cancelled": raw["cancelled"],
     } | ({"trace": raw["trace"]} if raw["trace"] else {})
+
+
+def unseen(world: _core.World) -> _core.World:
+    """What a robot without a map knows of a world before it has seen anything: its bounds."""
+    occupied = world.occupancy()
+    if occupied is not None:
+        return _core.World(occupied * 0, world.resolution, world.origin)
+    return _core.World(bounds=world.bounds, resolution=world.resolution)
 
 
 def mover_states(mover: dict[str, Any]) -> dict[str, Any]:

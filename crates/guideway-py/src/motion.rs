@@ -167,9 +167,26 @@ pub fn controllers(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
     to_python(py, &rows)
 }
 
+/// How movers are seen, and whether the map is known.
+fn senses(py: Python<'_>, (sense, lidar): (&str, Option<&Bound<'_, PyDict>>), map: &str) -> PyResult<(core::Sense, bool)> {
+    let bad = |name: &str, value: &str, allowed: &str| to_py(py, &PlanError::bad(name, value, allowed));
+    let lidar = lidar.map_or(Ok(core::Lidar::default()), |l| from_python("lidar", l))?;
+    let sense = match sense {
+        "truth" => core::Sense::Truth,
+        "lidar" => core::Sense::Lidar(lidar.validated().or_py(py)?),
+        _ => return Err(bad("sense", sense, "truth or lidar")),
+    };
+    match map {
+        "known" => Ok((sense, true)),
+        "none" if matches!(sense, core::Sense::Lidar(_)) => Ok((sense, false)),
+        "none" => Err(bad("map", map, "known, where movers are seen as they are (sense truth)")),
+        _ => Err(bad("map", map, "known or none")),
+    }
+}
+
 /// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`.
 #[pyfunction]
-#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, observe=None, trace=false))]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", observe=None, trace=false))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn drive<'py>(
     py: Python<'py>,
@@ -182,9 +199,13 @@ pub fn drive<'py>(
     arrival: f64,
     stop_at_goal: bool,
     time_limit: Option<f64>,
+    sense: &str,
+    lidar: Option<&Bound<'py, PyDict>>,
+    map: &str,
     observe: Option<&Bound<'py, PyAny>>,
     trace: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let (sense, map_known) = senses(py, (sense, lidar), map)?;
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let again = plan::planner(planner, serde_json::Value::Null).or_py(py)?;
     let planning = core::Planning::new(again, trajectory.inner.limits);
@@ -193,6 +214,7 @@ pub fn drive<'py>(
     (job.arrival, job.stop_at_goal, job.time_limit) = (arrival, stop_at_goal, time_limit);
     job.replanner = Some(&replanner);
     job.trace = trace;
+    (job.sense, job.map_known) = (sense, map_known);
     let setup = core::Setup { world: query.inner.world.clone(), robot: job.robot.clone(), clearance: query.inner.clearance };
     let mut controller = core::controller(controller, parameters, &setup).or_py(py)?;
     let (result, raised) = watched(py, seed, Budget::default(), 1, observe, |ctx| core::execute(&job, controller.as_mut(), ctx))?;

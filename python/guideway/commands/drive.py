@@ -15,19 +15,27 @@ from guideway.io.types import Scene
 EXAMPLES = """examples:
   guideway drive plan.json --out run.json --report run.html
   guideway drive room.toml --planner visibility --seed 3
-  guideway drive plan.json --movers people.toml --controller tracker"""
+  guideway drive plan.json --movers people.toml --controller tracker
+  guideway drive plan.json --movers people.csv --mover-radius 0.3 --sense lidar
+  guideway drive --barn 7 --sense lidar --map none --report run.html
+  guideway drive dynabarn_worlds.json#3 --sense lidar"""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
     parser.epilog = EXAMPLES
-    parser.add_argument("plan", metavar="PLAN.json|SCENE.toml", help="a plan, or a scene with a query to plan first")
+    what = "a plan, or a scene with a query to plan first; world N of a collection: FILE#N"
+    parser.add_argument("plan", nargs="?", metavar="PLAN.json|SCENE.toml|FILE#N", help=what)
+    parser.add_argument("--barn", type=int, metavar="N", help="world N of BARN, found in GUIDEWAY_DATA or named by --worlds")
+    parser.add_argument("--dynabarn", type=int, metavar="N", help="world N of DynaBARN, found in the same way")
+    parser.add_argument("--worlds", metavar="FILE", help="the file of the collection")
     parser.add_argument("--planner", metavar="NAME", help="plans a scene, and again when the way is blocked (default visibility)")
     parser.add_argument("--controller", metavar="NAME", help=f"what steers (default {driving.Drive.controller}; 'list' names them all)")
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter of the controller; may be repeated")
-    parser.add_argument("--movers", metavar="FILE", help="moving obstacles instead of the scene's own: TOML with [[mover]] tables")
-    parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), with the noise of the plant")
-    parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), all of it")
+    parser.add_argument("--movers", metavar="FILE", help="moving obstacles instead of the scene's own: TOML with [[mover]], CSV t,id,x,y")
+    parser.add_argument("--mover-radius", type=float, default=0.25, metavar="M", help="radius of the discs of a CSV, m (default 0.25)")
+    parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), or lidar: simulated, and tracked")
+    parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), or none but its bounds")
     parser.add_argument("--plant", default="unicycle", metavar="NAME", help="what is driven: unicycle (default), with lags and noise")
     parser.add_argument("--time-limit", type=float, metavar="S", help="longest run, s (default three times the planned duration and a minute)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default 0)")
@@ -44,6 +52,7 @@ def handle(arguments: argparse.Namespace) -> int:
             print(f"{entry['name']:<16} {entry['about']}")
         return 0
     _check(arguments)
+    arguments.plan = _named(arguments)
     options.writable(arguments.out, arguments.report, inputs=(arguments.plan, arguments.movers))
     drive, plan = drive_of(arguments)
     with options.progress_bar() as drive.observe:
@@ -55,11 +64,28 @@ def handle(arguments: argparse.Namespace) -> int:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    for name, known in (("sense", "truth"), ("map", "known"), ("plant", "unicycle")):
-        if getattr(arguments, name) != known:
-            raise BadParameter(f"--{name} {getattr(arguments, name)!r} is not available in this version: use {known}")
+    for name, known in (("sense", ("truth", "lidar")), ("map", ("known", "none")), ("plant", ("unicycle",))):
+        if getattr(arguments, name) not in known:
+            raise BadParameter(f"--{name} {getattr(arguments, name)!r} is not available in this version: use {' or '.join(known)}")
+    if arguments.map == "none" and arguments.sense != "lidar":
+        raise BadParameter("--map none needs --sense lidar: a robot without a map must see what is there")
     options.positive("--time-limit", arguments.time_limit)
+    options.positive("--mover-radius", arguments.mover_radius)
     options.count("--seed", arguments.seed)
+
+
+def _named(arguments: argparse.Namespace) -> str:
+    """What is to be driven, by name: the file, or a world of a collection."""
+    from guideway.io.collections import find_collection
+
+    given = [kind for kind in ("plan", "barn", "dynabarn") if getattr(arguments, kind) is not None]
+    if len(given) != 1:
+        raise BadParameter("guideway drive needs one of PLAN.json, SCENE.toml, FILE#N, --barn N and --dynabarn N. See 'guideway drive --help'")
+    if given == ["plan"]:
+        return arguments.plan
+    number = getattr(arguments, given[0])
+    options.count(f"--{given[0]}", number)
+    return f"{find_collection(given[0], arguments.worlds)}#{number}"
 
 
 def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, Any] | None]:
@@ -74,6 +100,7 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
     drive.seed = arguments.seed
     drive.time_limit = arguments.time_limit or drive.time_limit
     drive.trace = bool(arguments.out or arguments.report)
+    drive.sense, drive.map = arguments.sense, arguments.map
     return drive, plan
 
 
@@ -83,7 +110,7 @@ def _from_plan(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, 
     plan = load_record(arguments.plan)
     if is_run(plan):
         raise BadFile(arguments.plan, "it is a run", "a plan.json or a scene TOML")
-    world = _with_movers(world_of_record(plan, arguments.plan), arguments.movers)
+    world = _with_movers(world_of_record(plan, arguments.plan), arguments)
     try:
         query, trajectory, limits = driving.from_plan(plan, world)
     except (KeyError, TypeError, ValueError) as error:
@@ -99,23 +126,28 @@ def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str,
     if not isinstance(scene, Scene):
         raise BadFile(arguments.plan, "it is a map without a query", "a plan.json, or a scene TOML with a [query] table", "Plan on it first")
     job = job_of_scene(scene)
-    job.world = _with_movers(job.world, arguments.movers)
+    job.world = _with_movers(job.world, arguments)
     job.planner = arguments.planner or job.planner
+    query = job.query()
+    if arguments.map == "none":
+        job.world = driving.unseen(job.world)  # the first plan knows no better
     outcome = jobs.run(job, options.folder_of(arguments.out))
     if outcome.trajectory is None:
         raise BadParameter("the scene's job asks for no timing; a drive needs a motion in time")
-    drive = driving.Drive(outcome.query, outcome.trajectory, job.limits, planner=job.planner)
+    drive = driving.Drive(query, outcome.trajectory, job.limits, planner=job.planner)
     if scene.query is not None:
-        drive.arrival, drive.time_limit = scene.query.arrival, scene.query.time_limit
+        drive.arrival, drive.time_limit, drive.stop_at_goal = scene.query.arrival, scene.query.time_limit, scene.query.stop
+    if scene.lidar is not None and arguments.sense == "lidar":
+        drive.lidar = scene.lidar.to_dict()
     return drive, outcome.record
 
 
-def _with_movers(world: _core.World, path: str | None) -> _core.World:
-    if path is None:
+def _with_movers(world: _core.World, arguments: argparse.Namespace) -> _core.World:
+    if arguments.movers is None:
         return world
     from guideway.io import load_movers
 
-    return world.with_movers([mover.to_dict() for mover in load_movers(path)])
+    return world.with_movers([mover.to_dict() for mover in load_movers(arguments.movers, arguments.mover_radius)])
 
 
 def _deliver(arguments: argparse.Namespace, record: dict[str, Any], plan: dict[str, Any] | None, world: _core.World) -> None:

@@ -27,6 +27,32 @@ LIDAR = Lidar(beams=720, field_of_view=4.71238898038469, range=10.0, noise=0.01,
 ARRIVAL, TIME_LIMIT = 1.0, 100.0
 
 
+FILES = {"barn": "barn_worlds.json.gz", "dynabarn": "dynabarn_worlds.json"}
+"""Name of each collection's file; it lies in a folder of the collection's name in ``GUIDEWAY_DATA``."""
+
+
+def find_collection(kind: str, file: str | os.PathLike[str] | None = None) -> Path:
+    """The file of the collection ``kind`` (a key of :data:`FILES`): ``file``, or where the environment variable ``GUIDEWAY_DATA`` says."""
+    if file is not None:
+        return Path(file)
+    folder = os.environ.get("GUIDEWAY_DATA")
+    place = Path(folder or "", kind, FILES[kind])
+    if not folder or not place.is_file():
+        what = f"it is not in the folder {show(folder)} of GUIDEWAY_DATA" if folder else "GUIDEWAY_DATA, the folder of public data, is not set"
+        raise BadFile(str(Path(kind, FILES[kind])), what, "a copy of the collection", "Name its file with --worlds, or set GUIDEWAY_DATA")
+    return place
+
+
+def world_numbers(path: str | os.PathLike[str]) -> list[int]:
+    """The numbers of the worlds in a collection, in order."""
+    data = _json(load(Path(path), _MAX_JSON))
+    if isinstance(data, list):
+        found = [world.get("world") for world in data if isinstance(world, dict)]
+        return sorted(n for n in found if isinstance(n, int) and not isinstance(n, bool))
+    keys = data.get("worlds") if isinstance(data, dict) else None
+    return sorted(int(key) for key in keys if key.isascii() and key.isdigit()) if isinstance(keys, dict) else []
+
+
 def split(path: str | os.PathLike[str]) -> tuple[Path, str | None]:
     """File and world number of ``FILE#N``; the number is None where there is none."""
     text = os.fspath(path)
@@ -89,7 +115,7 @@ def _barn(blob: Blob, top: Table, centers: object, index: int) -> Scene:
     start, goal = _values(top, "start", 3), _values(top, "goal", 2)
     world = Table(top.where, f"world {index}", {"centers": centers})
     discs = tuple(Disc(center, radius) for center in world.points("centers", 1))
-    query = Query((start[0], start[1]), (goal[0], goal[1]), start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT)
+    query = Query((start[0], start[1]), (goal[0], goal[1]), start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT, stop=False)
     # the ground of the simulator is open: one metre around everything
     points = [*(d.center for d in discs), (start[0], start[1]), (goal[0], goal[1])]
     return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=discs)
@@ -111,7 +137,7 @@ def _dynabarn(blob: Blob, world: Any, index: int) -> Scene:
     movers = tuple(Mover(shape, _keyframes(trajectories, n), "cycle") for n in names)
     walls = tuple(_wall(wall) for wall in table.tables("static"))
     goal = (start[0] + away[0], start[1] + away[1])
-    query = Query((start[0], start[1]), goal, start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT)
+    query = Query((start[0], start[1]), goal, start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT, stop=False)
     points = [*(p for wall in walls for p in wall.points), (start[0], start[1]), goal]
     return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=walls, movers=movers, files={motions.path.name: motions.sha256})
 

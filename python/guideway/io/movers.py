@@ -151,6 +151,32 @@ def load_track(path: Path, files: dict[str, str], shown: str = "") -> tuple[tupl
     return tuple((t, x, y) for t, x, y in rows)
 
 
+def load_people(path: Path, radius: float) -> tuple[Mover, ...]:
+    """Discs from a CSV file: rows ``t,id,x,y`` (or ``t,x,y``: one disc) in any order of ids, times in s that increase for each id.
+
+    The smallest time of the file is the start of the run. A person is there from its first row on, walks straight between rows and stays where its
+    rows end.
+    """
+    blob = load(path, MAX_TEXT)
+    where, text = name(blob.path), blob.text()
+    first = next((line for line in text.split("\n") if line.strip()), "")
+    if [word.strip() for word in first.split(",")] == ["t", "x", "y"]:
+        return (Mover(Footprint(disc=radius), load_track(path, {})),)
+    rows = parse_csv(where, text, ("t", "id", "x", "y"))
+    begin = min(row[0] for row in rows)
+    people: dict[float, list[tuple[float, float, float]]] = {}
+    for t, who, x, y in rows:
+        people.setdefault(who, []).append((t - begin, x, y))
+    return tuple(_person(where, who, people[who], radius) for who in sorted(people))
+
+
+def _person(where: str, who: float, rows: list[tuple[float, float, float]], radius: float) -> Mover:
+    start = rows[0][0]
+    track = tuple((t - start, x, y) for t, x, y in rows)
+    check_times(f"{where}, id {who:g}", [row[0] for row in track])
+    return Mover(Footprint(disc=radius), track, phase=-start, appears=Appears(at=start) if start > 0 else None)
+
+
 def check_times(where: str, times: Sequence[float]) -> None:
     """Refuses times that do not start at 0 or do not increase."""
     if times[0] != 0:

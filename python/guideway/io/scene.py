@@ -57,13 +57,14 @@ def load_scene(path: str | os.PathLike[str], *, unknown: Unknown | None = None, 
     )
 
 
-def load_movers(path: str | os.PathLike[str]) -> tuple[Mover, ...]:
-    """Loads moving obstacles: a TOML file with ``[[mover]]`` tables, or a trajectory CSV (``t,x,y``) as one disc of radius 0.25 m that goes once."""
-    from guideway.io.movers import load_track
-    from guideway.io.types import Footprint
+def load_movers(path: str | os.PathLike[str], radius: float = 0.25) -> tuple[Mover, ...]:
+    """Loads moving obstacles: a TOML file with ``[[mover]]`` tables, or a CSV with discs of ``radius`` (m): ``t,x,y`` is one that goes once,
+    ``t,id,x,y`` one per id (see :func:`guideway.io.movers.load_people`).
+    """
+    from guideway.io.movers import load_people
 
     if os.fspath(path).lower().endswith(".csv"):
-        return (Mover(Footprint(disc=0.25), load_track(Path(path), {})),)
+        return load_people(Path(path), radius)
     blob = load(path, MAX_TEXT)
     where = name(blob.path)
     data = parse_toml(where, blob.text())

@@ -183,6 +183,10 @@ class Lidar:
     noise: float = 0.01
     rate: float = 20.0
 
+    def to_dict(self) -> dict[str, float]:
+        """As the core has it."""
+        return {"beams": self.beams, "field_of_view": self.field_of_view, "range": self.range, "noise": self.noise, "rate": self.rate}
+
 
 @dataclass(frozen=True)
 class Query:
@@ -198,6 +202,8 @@ class Query:
     arrival: float = 0.1
     material: Material = "standard"
     time_limit: float | None = None
+    stop: bool = True
+    """Does arrival ask for rest?"""
 
 
 @dataclass(frozen=True)

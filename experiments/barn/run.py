@@ -1,0 +1,205 @@
+"""Every world of BARN or DynaBARN, driven by lidar, scored as the BARN challenge does: our own kinematic simulation, not Gazebo.
+
+    python experiments/barn/run.py --map none
+    python experiments/barn/run.py --map known
+    python experiments/barn/run.py --collection dynabarn
+
+A record per run in a JSON Lines file: a stopped experiment goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import math
+import multiprocessing
+import time
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+import guideway as gw
+from guideway import driving, jobs
+from guideway.commands.plan import job_of_scene
+from guideway.io.collections import find_collection, load_collection, world_numbers
+from guideway.io.types import Scene
+
+Row = dict[str, Any]
+
+LIMIT = 100.0
+JUMP = 1.0  # s after a jump of an obstacle within which a hit is listed apart
+FASTEST = 2.0  # m/s, of the optimal time
+
+
+@dataclass(frozen=True)
+class Part:
+    """One run."""
+
+    file: str
+    kind: str
+    world: int
+    seed: int
+    map: str
+    controller: str
+    set: str
+
+
+@cache
+def reference_lengths(file: str) -> dict[int, float]:
+    """Length (m) of the reference path of each world of BARN, joined to start and goal."""
+    table = Path(file).with_name("barn_reference_paths.csv")
+    with table.open() as lines:
+        return {int(row["world"]): float(row["path_length_start_m2.25"]) for row in csv.DictReader(lines)}
+
+
+def optimal_time(part: Part, scene: Scene) -> float:
+    """OT of the score, s: the reference path (DynaBARN: the straight line) at 2 m/s."""
+    if part.kind == "barn":
+        return reference_lengths(part.file)[part.world] / FASTEST
+    assert scene.query is not None and scene.query.start is not None and scene.query.goal is not None
+    return math.dist(scene.query.start, scene.query.goal) / FASTEST
+
+
+def run(part: Part) -> Row:
+    """One drive and its score."""
+    scene = load_collection(f"{part.file}#{part.world}")
+    assert scene.query is not None and scene.lidar is not None
+    job = job_of_scene(scene)
+    query = job.query()
+    if part.map == "none":
+        job.world = driving.unseen(job.world)
+    begun = time.perf_counter()
+    drive = driving.Drive(query, motion(job), job.limits, planner=job.planner, seed=part.seed, time_limit=scene.query.time_limit)
+    drive.arrival, drive.stop_at_goal = scene.query.arrival, scene.query.stop
+    drive.sense, drive.lidar, drive.map = "lidar", scene.lidar.to_dict(), part.map
+    if part.controller:
+        drive.controller = part.controller
+    drive.set = json.loads(part.set)
+    record = driving.run(drive)
+    return {"world": part.world, "seed": part.seed} | scored(part, scene, record) | {"wall": time.perf_counter() - begun}
+
+
+def motion(job: jobs.Job) -> gw.Trajectory:
+    """The first motion."""
+    outcome = jobs.run(job)
+    assert outcome.trajectory is not None
+    return outcome.trajectory
+
+
+def scored(part: Part, scene: Scene, record: Row) -> Row:
+    """The score of a run and what became of it."""
+    best, t, outcome = optimal_time(part, scene), record["time"], record["outcome"]
+    success = outcome == "arrived" and t < LIMIT
+    hit = record["collision"]
+    row: Row = {"outcome": outcome, "time": t, "score": best / min(max(t, 2 * best), 8 * best) if success else 0.0, "success": success}
+    row |= {"length": record["tracking"]["length"], "replans": record["replans"], "separation": record["min_separation"]}
+    row |= {"p50": record["step_seconds"]["p50"], "p99": record["step_seconds"]["p99"], "hit": None, "with": None, "jump": False}
+    if hit is not None:
+        row |= {"hit": "parked" if at_rest(record, hit["t"]) else "moving", "with": hit["with"], "jump": after_jump(scene, hit)}
+    return row
+
+
+def at_rest(record: Row, t: float) -> bool:
+    """Was the robot at rest when it was hit?"""
+    row = next(state for state in reversed(record["driven"]) if state[0] <= t + 1e-9)
+    return abs(row[4]) < 0.01 and abs(row[5]) < 0.01
+
+
+def after_jump(scene: Scene, hit: Row) -> bool:
+    """Was it hit by an obstacle that had jumped within the last second?"""
+    kind, _, number = hit["with"].partition(" ")
+    if kind != "mover":
+        return False
+    mover = scene.movers[int(number)]
+    (_, *first), (period, *last) = mover.track[0], mover.track[-1]
+    return mover.loop == "cycle" and math.dist(first, last) > 0.05 and hit["t"] >= period and (hit["t"] + mover.phase) % period <= JUMP
+
+
+def read(path: Path) -> list[Row]:
+    """The records of a file; a line that was cut off when a run was stopped does not count."""
+    rows = []
+    for line in path.read_text().splitlines() if path.exists() else []:
+        try:
+            rows.append(json.loads(line))
+        except ValueError:
+            continue
+    return rows
+
+
+def drive_all(parts: list[Part], path: Path, workers: int) -> list[Row]:
+    """Runs what the file does not hold yet; all rows in order."""
+    done = {(row["world"], row["seed"]) for row in read(path)}
+    todo = [part for part in parts if (part.world, part.seed) not in done]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as out, multiprocessing.Pool(workers) as pool:
+        for row in tqdm(pool.imap_unordered(run, todo), total=len(todo), disable=None):
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+    wanted = {(part.world, part.seed) for part in parts}
+    return sorted((row for row in read(path) if (row["world"], row["seed"]) in wanted), key=lambda row: (row["world"], row["seed"]))
+
+
+def summary(name: str, rows: list[Row]) -> str:
+    """One row of the table."""
+    n = len(rows)
+    moving = sum(row["hit"] == "moving" and not row["jump"] for row in rows)
+    parked = sum(row["hit"] == "parked" and not row["jump"] for row in rows)
+    jumps = sum(row["jump"] for row in rows)
+    late = sum(row["outcome"] in ("timeout", "stuck") for row in rows)
+    arrived = [row["time"] for row in rows if row["success"]]
+    mean_time = f"{sum(arrived) / len(arrived):.1f}" if arrived else "-"
+    score, success = sum(row["score"] for row in rows) / n, sum(row["success"] for row in rows) / n
+    worst = 1e3 * max(row["p99"] for row in rows)
+    return f"| {name} | {n} | {score:.4f} | {100 * success:.1f} % | {moving} | {parked} | {jumps} | {late} | {mean_time} | {worst:.2f} |"
+
+
+HEAD = """| worlds, map | runs | score | success | hits moving | hits parked | hits after a jump | late or stuck | mean time s | p99 of a step ms, worst run |
+|---|---|---|---|---|---|---|---|---|---|"""
+
+
+def main() -> None:
+    """Drives, prints the table, and puts it into the docs where that is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--collection", choices=["barn", "dynabarn"], default="barn")
+    parser.add_argument("--worlds", metavar="FILE", help="the file of the collection (default: in GUIDEWAY_DATA)")
+    parser.add_argument("--map", choices=["none", "known"], default="none")
+    parser.add_argument("--seeds", type=int, default=3, metavar="N")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="every N-th world")
+    parser.add_argument("--only", type=int, nargs="+", metavar="N", help="these worlds")
+    parser.add_argument("--controller", default="", metavar="NAME")
+    parser.add_argument("--set", default="{}", metavar="JSON", help="parameters of the controller")
+    parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count(), metavar="N")
+    parser.add_argument("--out", type=Path, default=Path("experiments/results/barn"), metavar="FOLDER")
+    parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
+    asked = parser.parse_args()
+    file = str(find_collection(asked.collection, asked.worlds))
+    worlds = asked.only or world_numbers(file)[:: asked.every]
+    parts = [Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set) for w in worlds for s in range(asked.seeds)]
+    rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}.jsonl", asked.workers)
+    line = summary(f"{asked.collection}, {asked.map}", rows)
+    print(f"{HEAD}\n{line}")
+    for row in rows:
+        if not row["success"]:
+            print(f"world {row['world']} seed {row['seed']}: {row['outcome']} after {row['time']:.1f} s {row['with'] or ''} {row['hit'] or ''}")
+    if asked.docs:
+        write_docs(f"{asked.collection}-{asked.map}", line)
+
+
+def write_docs(name: str, line: str) -> None:
+    """Replaces the row of the table in the docs."""
+    path = Path("docs/experiments.md")
+    text = path.read_text()
+    begin, end = f"<!-- begin {name} -->\n", f"<!-- end {name} -->"
+    head, _, rest = text.partition(begin)
+    _, mark, tail = rest.partition(end)
+    if not mark:
+        raise SystemExit(f"{path} has no place for {name}")
+    path.write_text(f"{head}{begin}{HEAD}\n{line}\n{mark}{tail}")
+
+
+if __name__ == "__main__":
+    main()

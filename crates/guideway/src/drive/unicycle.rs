@@ -1,6 +1,7 @@
 //! A unicycle (differential drive) with first-order actuator lags, limits, and noisy estimates.
 //!
-//! Source: kinematic unicycle with first-order lags of both speeds; Gaussian noise. The arc is integrated exactly per sub-step.
+//! Source: kinematic unicycle with first-order lags of both speeds; Gaussian noise, and a slow drift of the estimated pose (a first-order Gauss-Markov
+//! process). The arc is integrated exactly per sub-step.
 
 use super::{Command, Motion, Observation, Plant, Robot, arc};
 use crate::error::PlanError;
@@ -12,6 +13,8 @@ use serde::{Deserialize, Serialize};
 
 /// Integration step, s.
 const SUBSTEP: f64 = 0.001;
+/// Time in which a drift of the localisation is forgotten, s.
+const DRIFTING: f64 = 20.0;
 
 /// Parameters of the plant; each 0 switches its effect off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -27,18 +30,22 @@ pub struct Unicycle {
     pub noise_heading: f64,
     /// Relative error of both observed speeds, 1.
     pub odometry_scale: f64,
+    /// Standard deviation of the slow drift of each observed coordinate, m.
+    pub drift_position: f64,
+    /// Standard deviation of the slow drift of the observed heading, rad.
+    pub drift_heading: f64,
 }
 
 impl Default for Unicycle {
     fn default() -> Self {
-        Self { lag_speed: 0.08, lag_turn: 0.06, noise_position: 0.005, noise_heading: 0.2_f64.to_radians(), odometry_scale: 0.005 }
+        Self { lag_speed: 0.08, lag_turn: 0.06, noise_position: 0.005, noise_heading: 0.2_f64.to_radians(), odometry_scale: 0.005, ..Self::ideal() }
     }
 }
 
 impl Unicycle {
     /// Without lag and noise; the limits of the robot still hold.
     pub fn ideal() -> Self {
-        Self { lag_speed: 0.0, lag_turn: 0.0, noise_position: 0.0, noise_heading: 0.0, odometry_scale: 0.0 }
+        Self { lag_speed: 0.0, lag_turn: 0.0, noise_position: 0.0, noise_heading: 0.0, odometry_scale: 0.0, drift_position: 0.0, drift_heading: 0.0 }
     }
 
     /// Checks the parameters.
@@ -51,6 +58,8 @@ impl Unicycle {
             ("noise_position", self.noise_position, 10.0),
             ("noise_heading", self.noise_heading, 3.2),
             ("odometry_scale", self.odometry_scale, 0.5),
+            ("drift_position", self.drift_position, 10.0),
+            ("drift_heading", self.drift_heading, 3.2),
         ];
         match named.into_iter().find(|(_, v, top)| !(0.0..=*top).contains(v)) {
             Some((name, value, top)) => Err(PlanError::bad(format!("plant.{name}"), value, format!("0 to {top}"))),
@@ -62,7 +71,7 @@ impl Unicycle {
     pub fn place(self, robot: &Robot, pose: [f64; 3], seed: u64) -> UnicyclePlant {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(0x706c_616e_7400);
-        UnicyclePlant { parameters: self, robot: robot.clone(), motion: Motion { pose, v: 0.0, w: 0.0 }, time: 0.0, rng }
+        UnicyclePlant { parameters: self, robot: robot.clone(), motion: Motion { pose, v: 0.0, w: 0.0 }, time: 0.0, drift: ([0.0; 3], 0.0), rng }
     }
 }
 
@@ -73,6 +82,8 @@ pub struct UnicyclePlant {
     robot: Robot,
     motion: Motion,
     time: f64,
+    /// Drift of the estimated pose in standard deviations, and when, s.
+    drift: ([f64; 3], f64),
     rng: ChaCha8Rng,
 }
 
@@ -81,6 +92,19 @@ impl UnicyclePlant {
     fn normal(&mut self) -> f64 {
         let (a, b): (f64, f64) = (self.rng.random(), self.rng.random());
         (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+
+    /// The drift of the estimated pose now, m, m, rad.
+    fn drifted(&mut self) -> [f64; 3] {
+        let p = self.parameters;
+        if p.drift_position == 0.0 && p.drift_heading == 0.0 {
+            return [0.0; 3];
+        }
+        let keep = (-(self.time - self.drift.1) / DRIFTING).exp();
+        let fresh = (1.0 - keep * keep).sqrt();
+        self.drift = (self.drift.0.map(|d| keep * d + fresh * self.normal()), self.time);
+        let [x, y, yaw] = self.drift.0;
+        [p.drift_position * x, p.drift_position * y, p.drift_heading * yaw]
     }
 
     fn substep(&mut self, u: Command, h: f64) {
@@ -104,7 +128,8 @@ impl Plant for UnicyclePlant {
     fn observe(&mut self) -> Observation {
         let (p, m) = (self.parameters, self.motion);
         let noise = [p.noise_position * self.normal(), p.noise_position * self.normal(), p.noise_heading * self.normal()];
-        let pose = [m.pose[0] + noise[0], m.pose[1] + noise[1], wrap(m.pose[2] + noise[2])];
+        let drift = self.drifted();
+        let pose = [m.pose[0] + noise[0] + drift[0], m.pose[1] + noise[1] + drift[1], wrap(m.pose[2] + noise[2] + drift[2])];
         let scale = 1.0 + p.odometry_scale;
         Observation::new(self.time, pose, m.v * scale, m.w * scale)
     }
@@ -178,6 +203,21 @@ mod tests {
         let again = Unicycle::default().place(&robot(), [0.0; 3], 5).observe();
         assert_eq!(again.pose, seen[0].pose);
         assert_ne!(Unicycle::default().place(&robot(), [0.0; 3], 6).observe().pose, seen[0].pose);
+    }
+
+    #[test]
+    fn drift_is_slow_and_has_its_size() {
+        let plant = Unicycle { drift_position: 0.1, ..Unicycle::ideal() };
+        let mut plant = plant.place(&robot(), [0.0; 3], 5);
+        let seen: Vec<f64> = (0..400_000)
+            .map(|_| {
+                plant.time += 0.05;
+                plant.observe().pose[0]
+            })
+            .collect();
+        let mean = |all: &mut dyn Iterator<Item = f64>| all.sum::<f64>() / 4e5;
+        let (size, step) = (mean(&mut seen.iter().map(|x| x * x)).sqrt(), mean(&mut seen.windows(2).map(|w| (w[1] - w[0]).powi(2))).sqrt());
+        assert!((size / 0.1 - 1.0).abs() < 0.1 && step < 0.01, "{size} {step}");
     }
 
     #[test]

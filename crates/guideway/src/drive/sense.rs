@@ -1,10 +1,8 @@
-//! What the sensors of a simulated robot say: the truth about the movers that are present, or the scans of a lidar, for [`Eyes`](super::Eyes) to make
-//! the same tracks of.
+//! What the robot knows about movers. Here: the truth about those that are present; a lidar is another producer of the same tracks.
 
-use super::{Lidar, Outline, Scan};
+use super::Outline;
 use crate::Point;
-use crate::world::{Appears, Mover, World};
-use rand_chacha::ChaCha8Rng;
+use crate::world::{Appears, Mover};
 use serde::{Deserialize, Serialize};
 
 /// A mover as a sensor reports it.
@@ -77,31 +75,6 @@ impl Stage {
                 Track { id, outline: outline.clone(), position, velocity, bound: mover.top_speed(), doubt: 0.0 }
             })
             .collect()
-    }
-}
-
-/// A lidar in a run: scans at its rate, noise from its own stream.
-#[derive(Debug)]
-pub(super) struct Scanner {
-    lidar: Lidar,
-    rng: ChaCha8Rng,
-    next: f64,
-}
-
-impl Scanner {
-    pub fn new(lidar: Lidar, seed: u64) -> Self {
-        Self { lidar, rng: Lidar::random(seed), next: 0.0 }
-    }
-
-    /// The scan from the true `pose` at time `t` if one is due.
-    pub fn scan(&mut self, world: &World, stage: &Stage, pose: [f64; 3], t: f64) -> Option<Scan> {
-        if t < self.next - 1e-9 {
-            return None;
-        }
-        let period = 1.0 / self.lidar.rate;
-        self.next = (self.next + period).max(t + 1e-9);
-        let movers: Vec<(Outline, Point)> = stage.present().map(|(_, m, o)| (o.clone(), m.at(t).0)).collect();
-        Some(self.lidar.scan(world, &movers, (pose, t), &mut self.rng))
     }
 }
 

@@ -52,10 +52,10 @@ def drive(
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
     ``controller`` is one of :func:`guideway.controllers`, ``set`` holds its parameters; ``planner`` plans anew when the way is blocked; ``arrival``
-    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute). ``sense`` is "truth" or
-    "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise`` in m, ``rate`` in Hz);
-    with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to plan the first motion in). With ``trace``
-    the record holds what reports show of single steps.
+    (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute). ``sense`` is
+    "truth" or "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise``
+    in m, ``rate`` in Hz); with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to
+    plan the first motion in). With ``trace`` the record holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
     asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit)

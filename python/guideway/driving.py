@@ -18,7 +18,7 @@ class Drive:
     query: _core.Query
     trajectory: _core.Trajectory
     limits: Limits
-    controller: str = "predictive-dwa"
+    controller: str = "improved-dwa"
     planner: str = "visibility"
     set: dict[str, Any] = field(default_factory=dict)
     seed: int = 0

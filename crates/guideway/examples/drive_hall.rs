@@ -63,7 +63,7 @@ fn drive(name: &str, seed: u64) -> Result<Run, PlanError> {
 }
 
 fn main() -> Result<(), PlanError> {
-    let name = std::env::args().nth(1).unwrap_or_else(|| "predictive-dwa".into());
+    let name = std::env::args().nth(1).unwrap_or_else(|| "improved-dwa".into());
     let seeds = std::env::args().nth(2).and_then(|s| s.parse().ok()).unwrap_or(30);
     let (mut arrived, mut mean, mut p99) = (0, 0.0, 0.0_f64);
     for seed in 0..seeds {

@@ -1,6 +1,6 @@
 //! Every controller, one line each.
 
-use super::{Controller, Dwa, Predictive, Robot, Tracker};
+use super::{Controller, Dwa, ImprovedDwa, Robot, Tracker};
 use crate::error::PlanError;
 use crate::plan::Parameter;
 use crate::plan::refusal::refused;
@@ -34,11 +34,19 @@ pub struct ControllerEntry {
     pub parameters: &'static [Parameter],
     /// Default parameters as JSON.
     pub defaults: fn() -> Value,
+    /// Parameters of `preset=paper` as JSON, where there are presets.
+    pub paper: Option<fn() -> Value>,
     /// Builds the controller from parameters as JSON.
     pub build: Build,
 }
 
 macro_rules! controller {
+    ($name:literal, $type:ty, $source:literal, $about:literal, $parameters:tt, paper) => {
+        ControllerEntry {
+            paper: Some(|| serde_json::to_value(<$type>::paper()).unwrap_or_default()),
+            ..controller!($name, $type, $source, $about, $parameters)
+        }
+    };
     ($name:literal, $type:ty, $source:literal, $about:literal, [$(($p:literal, $a:literal)),* $(,)?]) => {
         ControllerEntry {
             name: $name,
@@ -46,6 +54,7 @@ macro_rules! controller {
             source: $source,
             parameters: &[$(Parameter { name: $p, about: $a }),*],
             defaults: || serde_json::to_value(<$type>::default()).unwrap_or_default(),
+            paper: None,
             build: |value, setup| {
                 let read = |value| serde_json::from_value::<$type>(value);
                 let parameters = read(value.clone()).map_err(|e| refused($name, &value, |value| read(value).map(drop), &e))?;
@@ -58,31 +67,42 @@ macro_rules! controller {
 /// Every controller; the first is the default.
 pub const CONTROLLERS: &[ControllerEntry] = &[
     controller!(
-        "predictive-dwa",
-        Predictive,
-        "fox1997, kanayama1990",
-        "dynamic window steered by the planned motion; only commands from which a full stop stays free",
+        "improved-dwa",
+        ImprovedDwa,
+        "lu2025, fox1997, bouraine2012",
+        "dynamic window that looks ahead in (place, time); only commands after which a full brake is certain to be in time",
         [
-            ("progress", "weight of the progress along the path"),
-            ("deviation", "weight of the distance from the path, 1/m"),
-            ("heading", "weight of the heading against the path, 1/rad"),
-            ("near", "weight of nearness to movers"),
-            ("risk", "weight of an expected contact that can still be avoided"),
-            ("doubt", "weight of a stop that may come too late if a mover turns against the robot"),
-            ("keep_on", "weight of keeping to the manoeuvre chosen before"),
+            ("preset", "default | paper: our settings or those of the source"),
+            ("heading", "weight of the heading to the sub-goal"),
+            ("dist", "weight of the free distance along the arc"),
+            ("velocity", "weight of the speed"),
+            ("path", "weight of the agreement with the direction of the path"),
+            ("to_go", "weight of the time to the goal that is left at the end of the prediction, 1/s"),
+            ("deviation", "weight of the distance from the path over time, 1/(m s)"),
+            ("near", "weight of nearness to movers over time, 1/s"),
+            ("exposed", "weight of standing in the way of movers over time, 1/s"),
             ("change", "weight of a change of the command, s/m"),
-            ("period", "time after which a chosen manoeuvre may turn into a stop, s"),
+            ("keep_on", "weight of keeping to the side chosen before"),
+            ("period", "control period, s: the window of the source, and how long a command may act in the guarantee"),
             ("horizon", "prediction, s"),
-            ("park", "time that the place of a stop must stay free, s"),
-            ("hold", "time for which a chosen command is held before the next choice, s"),
-            ("speeds", "sampled speeds"),
-            ("turns", "sampled turn rates"),
-            ("margin", "distance kept to static obstacles, m (null: half the planned clearance, 0.02 to 0.1)"),
-            ("keep", "distance kept to movers, m"),
-            ("growth", "growth of that distance with the time predicted, m/s"),
+            ("safety", "distance kept to obstacles, m (null: to static ones half the planned clearance, 0.02 to 0.1 m, to movers 0.1 m)"),
+            ("speed_step", "steps of the sampled speeds, m/s (preset=paper)"),
+            ("turn_step", "steps of the sampled turn rates, rad/s (preset=paper)"),
+            ("emergency", "above this speed the robot brakes when obstacles are nearer than safety, below it turns in place, m/s (preset=paper)"),
+            ("switch", "a sub-goal this near is reached, m (preset=paper)"),
+            ("guarantee", "only commands after which a full brake ends before anything can be met"),
+            ("error", "bound of the error of pose and model, m"),
+            ("drift", "growth of that bound with the distance driven"),
+            ("lag_speed", "time constant of the speed, s"),
+            ("lag_turn", "time constant of the turn rate, s"),
+            ("delay", "time until a command reaches the actuators, s"),
+            ("growth", "growth of the distance kept to movers with the time predicted, m/s"),
+            ("beam", "plans kept in the search"),
+            ("reverse", "speed of driving backwards to get out of the way, m/s (0: never)"),
             ("trust", "trust in each observed pose against odometry, 0 to 1"),
             ("patience", "time without progress after which a new plan is asked for, s"),
-        ]
+        ],
+        paper
     ),
     controller!(
         "dwa",
@@ -124,7 +144,7 @@ pub const CONTROLLERS: &[ControllerEntry] = &[
     ),
 ];
 
-/// Builds a controller by name with parameters as a JSON object (missing ones take their defaults, `null` is an empty object).
+/// Builds a controller by name with parameters as a JSON object (missing ones take the values of the preset, `null` is an empty object).
 /// # Errors
 /// [`PlanError::BadParameter`] for an unknown controller or parameter, naming the valid ones, or a value out of range.
 pub fn controller(name: &str, parameters: Value, setup: &Setup) -> Result<Box<dyn Controller>, PlanError> {
@@ -132,14 +152,22 @@ pub fn controller(name: &str, parameters: Value, setup: &Setup) -> Result<Box<dy
         let names: Vec<_> = CONTROLLERS.iter().map(|e| e.name).collect();
         return Err(PlanError::bad("controller", name, format!("one of {}", names.join(", "))));
     };
-    let parameters = if parameters.is_null() { Value::Object(serde_json::Map::new()) } else { parameters };
-    if let Value::Object(map) = &parameters
-        && let Some(key) = map.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k))
-    {
+    let given = match parameters {
+        Value::Null => serde_json::Map::new(),
+        Value::Object(map) => map,
+        other => return Err(PlanError::bad(name, other, "a table of parameters")),
+    };
+    if let Some(key) = given.keys().find(|k| !entry.parameters.iter().any(|p| p.name == **k)) {
         let names: Vec<_> = entry.parameters.iter().map(|p| p.name).collect();
         return Err(PlanError::bad(format!("{name}.{key}"), "an unknown parameter", format!("parameters of {name}: {}", names.join(", "))));
     }
-    (entry.build)(parameters, setup)
+    let base = match (entry.paper, given.get("preset").and_then(Value::as_str)) {
+        (Some(paper), Some("paper")) => paper(),
+        _ => (entry.defaults)(),
+    };
+    let mut all = base.as_object().cloned().unwrap_or_default();
+    all.extend(given);
+    (entry.build)(Value::Object(all), setup)
 }
 
 /// Refuses parameters that are negative, huge or no numbers.

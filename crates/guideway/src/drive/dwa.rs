@@ -2,18 +2,18 @@
 //!
 //! Source: \[fox1997\]. `V_s`: limits of the base; `V_d`: what can be reached within a period; `V_a`: what can still be stopped before the first
 //! contact on the arc. The best of `heading`, `dist` and `velocity`, each divided by its sum over the candidates, is driven.
-//! Departures: the angular bound uses the arc's own angle, not metres; contacts include movers at constant velocity, in (arc, time); the distance
-//! driven during the reaction time is taken off the free distance; the target is a point of the planned path ahead (`look_ahead`; infinite means
-//! the goal itself, as in the source); speed is limited so that the base can stop at the goal.
+//! Departures: the angular bound uses the arc's own angle, not metres; contacts are those of the footprint's discs, and include movers at constant
+//! velocity, in (arc, time); the distance driven during the reaction time is taken off the free distance; the target is a point of the planned path
+//! ahead (`look_ahead`; infinite means the goal itself, as in the source); speed is limited so that the base can stop at the goal.
 
+use super::body::Body;
+use super::critics::{Candidate, Weights};
 use super::field::{Field, Margins, Met};
 use super::filter::Filter;
-use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, arc};
+use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Robot, Setup, arc};
 use crate::context::Context;
 use crate::error::PlanError;
-use crate::world::shape::wrap;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Parameters of the dynamic window.
@@ -84,131 +84,124 @@ impl Dwa {
         ];
         super::controllers::check("dwa", &named)?;
         super::controllers::samples("dwa", &[("speeds", self.speeds), ("turns", self.turns)])?;
-        Ok(Box::new(Window { p: self, setup: setup.clone(), filter: Filter::new(self.trust.min(1.0)), course: None, s: 0.0, best: (0.0, f64::NAN) }))
+        Ok(Box::new(Window {
+            weights: Weights { heading: self.heading, dist: self.dist, velocity: self.velocity, ..Weights::default() },
+            body: Body::of(&setup.robot.footprint),
+            filter: Filter::new(self.trust.min(1.0)),
+            setup: setup.clone(),
+            p: self,
+            course: None,
+            progress: Progress::default(),
+        }))
     }
 }
 
-/// A pair of speeds that the base may choose.
-pub(super) struct Candidate {
-    pub v: f64,
-    pub w: f64,
-    /// Free distance along the arc, m, capped.
-    dist: f64,
+/// How far a robot has come along its course, and since when it has not come farther.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Progress {
+    /// Arc length of the robot's projection, m.
+    pub s: f64,
+    /// Arc length reached, m, and when, s.
+    best: (f64, f64),
 }
 
-/// What the critics see besides the candidate.
-struct Target {
-    pose: [f64; 3],
-    point: [f64; 2],
-    period: f64,
+impl Default for Progress {
+    fn default() -> Self {
+        Self { s: 0.0, best: (0.0, f64::NAN) }
+    }
 }
 
-/// One line per criterion: name, weight, score (larger is better, not negative).
-type Critic = (&'static str, fn(&Dwa) -> f64, fn(&Candidate, &Target) -> f64);
-const CRITICS: [Critic; 3] = [
-    (
-        "heading",
-        |p| p.heading,
-        |c, target| {
-            let at = arc(target.pose, c.v, c.w, target.period);
-            PI - wrap((target.point[1] - at[1]).atan2(target.point[0] - at[0]) - at[2]).abs()
-        },
-    ),
-    ("dist", |p| p.dist, |c, _| c.dist),
-    ("velocity", |p| p.velocity, |c, _| c.v),
-];
+impl Progress {
+    /// The distance that is left, m; a decision at the end and after `patience` s without progress.
+    pub fn check(&mut self, course: &Course, seen: &Observation, patience: f64) -> Result<f64, Decision> {
+        let p = [seen.pose[0], seen.pose[1]];
+        self.s = course.project(p, self.s, self.s + 0.5).0;
+        let end = course.end().pose;
+        let left = (end[0] - p[0]).hypot(end[1] - p[1]).max(course.length() - self.s - 0.5);
+        if left < 0.03 {
+            return Err(Decision::Stop(Reason::new("at the end of the path")));
+        }
+        if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
+            self.best = (self.s, seen.time);
+        }
+        if seen.time - self.best.1 > patience {
+            self.best.1 = seen.time;
+            return Err(Decision::Replan(nearest(seen)));
+        }
+        Ok(left)
+    }
+}
 
 /// The dynamic window at work.
 struct Window {
     p: Dwa,
+    weights: Weights,
     setup: Setup,
+    body: Body,
     filter: Filter,
     course: Option<Arc<Course>>,
-    s: f64,
-    /// Arc length reached, m, and when, s.
-    best: (f64, f64),
+    progress: Progress,
 }
 
 impl Controller for Window {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.course = Some(Arc::clone(&guide.course));
-        (self.s, self.best) = (0.0, (0.0, f64::NAN));
+        self.progress = Progress::default();
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
         let Some(course) = self.course.clone() else { return Decision::Stop(Reason::new("no course to follow")) };
         let mut seen = seen.clone();
         self.filter.apply(&mut seen);
-        let p = [seen.pose[0], seen.pose[1]];
-        self.s = course.project(p, self.s, self.s + 0.5).0;
-        let end = course.end().pose;
-        let left = (end[0] - p[0]).hypot(end[1] - p[1]).max(course.length() - self.s - 0.5);
-        if left < 0.03 {
-            return Decision::Stop(Reason::new("at the end of the path"));
+        match self.progress.check(&course, &seen, self.p.patience) {
+            Ok(left) => {
+                let ahead = course.at_length(self.progress.s + self.p.look_ahead).pose;
+                self.choose(&seen, [ahead[0], ahead[1]], left)
+            }
+            Err(decision) => decision,
         }
-        if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
-            self.best = (self.s, seen.time);
-        }
-        if seen.time - self.best.1 > self.p.patience {
-            self.best.1 = seen.time;
-            return Decision::Replan(nearest(&seen));
-        }
-        let ahead = course.at_length(self.s + self.p.look_ahead).pose;
-        let target = Target { pose: seen.pose, point: [ahead[0], ahead[1]], period: self.p.period };
-        self.choose(&seen, &target, left)
     }
 }
 
 impl Window {
-    fn choose(&self, seen: &Observation, target: &Target, left: f64) -> Decision {
+    fn choose(&self, seen: &Observation, target: [f64; 2], left: f64) -> Decision {
         let margins = Margins { still: self.p.safety, moving: self.p.safety, growth: 0.0 };
-        let field = Field::new(&self.setup.world, &self.setup.robot, seen, margins, self.p.horizon);
+        let world = seen.known.as_deref().unwrap_or(&self.setup.world);
+        let (robot, cap) = (&self.setup.robot, self.setup.robot.speed * self.p.horizon);
+        let field = Field::new(world, robot, &self.body, seen, (margins, self.p.horizon));
         let (mut open, mut met) = (Vec::new(), None);
-        for (v, w) in window(&self.setup, seen, [self.p.period, f64::INFINITY], [self.p.speeds, self.p.turns]) {
-            let contact = field.contact(seen.pose, v, w, self.p.horizon);
+        for (v, w) in window(robot, seen, self.p.period, [self.p.speeds, self.p.turns]) {
+            let contact = field.contact(seen.pose, [v, w], self.p.horizon);
             met = met.or(contact.map(|c| c.1));
-            let cap = self.setup.robot.speed * self.p.horizon;
             let dist = contact.map_or(cap, |(t, _)| (v * t).min(cap));
             let dist = if v == 0.0 && contact.is_none_or(|c| c.1 != Met::Static) { cap } else { dist };
-            let stops = left + 0.01 >= self.setup.robot.braking_distance(v) + v * self.p.reaction || v <= seen.v;
-            if self.admissible(v, w, dist) && (stops || v == 0.0) {
-                open.push(Candidate { v, w, dist });
+            let free = (dist - v * self.p.reaction).max(0.0);
+            if admissible(robot, [v, w], free) && stops(robot, v, [seen.v, left, self.p.reaction]) {
+                open.push(Candidate { v, w, dist, end: arc(seen.pose, v, w, self.p.period), target, ..Candidate::default() });
             }
         }
-        match best(&self.p, &open, target) {
+        match self.weights.best(&open) {
             Some(c) => Decision::Drive(Command { v: c.v, w: c.w }),
             None => Decision::Stop(why(met, seen)),
         }
     }
-
-    /// Can the base stop before the contact, in distance and in angle?
-    fn admissible(&self, v: f64, w: f64, dist: f64) -> bool {
-        let robot = &self.setup.robot;
-        let free = (dist - v * self.p.reaction).max(0.0);
-        let angle = free * w.abs() / v.max(0.01);
-        v <= (2.0 * free * robot.deceleration).sqrt() && (v == 0.0 || w.abs() <= (2.0 * angle * robot.turn_acceleration).sqrt())
-    }
 }
 
-/// The highest weighted sum of normalised scores; the faster of equals.
-fn best<'c>(p: &Dwa, open: &'c [Candidate], target: &Target) -> Option<&'c Candidate> {
-    let mut total = vec![0.0; open.len()];
-    for (_, weight, score) in CRITICS {
-        let scores: Vec<f64> = open.iter().map(|c| score(c, target)).collect();
-        let sum = scores.iter().sum::<f64>().max(1e-12);
-        total.iter_mut().zip(scores).for_each(|(t, s)| *t += weight(p) * s / sum);
-    }
-    let order = |a: &(usize, &Candidate), b: &(usize, &Candidate)| total[a.0].total_cmp(&total[b.0]).then(a.1.v.total_cmp(&b.1.v));
-    open.iter().enumerate().max_by(order).map(|(_, c)| c)
+/// Can the base stop within `free` m of its arc, in distance and in angle?
+pub(super) fn admissible(robot: &Robot, [v, w]: [f64; 2], free: f64) -> bool {
+    let angle = free * w.abs() / v.max(0.01);
+    v <= (2.0 * free * robot.deceleration).sqrt() && (v == 0.0 || w.abs() <= (2.0 * angle * robot.turn_acceleration).sqrt())
 }
 
-/// The speeds that can be reached within a `period` (s) and do not exceed `top` (m/s), in a fixed order; the lowest speed and turn rate zero are always
-/// among them.
-pub(super) fn window(setup: &Setup, seen: &Observation, [period, top]: [f64; 2], [speeds, turns]: [u32; 2]) -> Vec<(f64, f64)> {
-    let r = &setup.robot;
+/// Can it stop at the end of the path, `left` m ahead, after a `reaction` time (s), or is it slower than now?
+pub(super) fn stops(robot: &Robot, v: f64, [now, left, reaction]: [f64; 3]) -> bool {
+    v == 0.0 || v <= now || left + 0.01 >= robot.braking_distance(v) + v * reaction
+}
+
+/// The speeds that can be reached within a `period` (s), in a fixed order; the lowest speed and turn rate zero are always among them.
+fn window(r: &Robot, seen: &Observation, period: f64, [speeds, turns]: [u32; 2]) -> Vec<(f64, f64)> {
     let (v, w) = (seen.v.clamp(0.0, r.speed), seen.w.clamp(-r.turn_rate, r.turn_rate));
-    let low = (v - r.deceleration * period).max(0.0);
-    let high = (v + r.acceleration * period).min(r.speed).min(top.max(low));
+    let (low, high) = ((v - r.deceleration * period).max(0.0), (v + r.acceleration * period).min(r.speed));
     let (left, right) = ((w - r.turn_acceleration * period).max(-r.turn_rate), (w + r.turn_acceleration * period).min(r.turn_rate));
     let step = |a: f64, b: f64, i: u32, n: u32| a + (b - a) * f64::from(i) / f64::from((n - 1).max(1));
     let mut rates: Vec<f64> = (0..turns).map(|i| step(left, right, i, turns)).collect();

@@ -1,8 +1,10 @@
-//! What is free around the robot now and in the next seconds: the static map and movers at constant velocity.
+//! What is free around the robot now and in the next seconds: the static world, movers at constant velocity, and all that movers could reach.
 
+use super::body::Body;
 use super::{Observation, Robot, Track, arc};
 use crate::Point;
-use crate::world::World;
+use crate::world::shape::{convex_distance, distance};
+use crate::world::{Shape, World};
 
 /// Clearances are looked up to this far beyond what the robot needs, m.
 const REACH: f64 = 0.8;
@@ -13,7 +15,7 @@ const SPARE: f64 = 0.005;
 /// Shortest step of a contact search, s.
 const LEAST: f64 = 0.01;
 
-/// Margins around the robot.
+/// Margins around the robot in predictions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Margins {
     /// To static obstacles, m.
@@ -24,12 +26,27 @@ pub(super) struct Margins {
     pub growth: f64,
 }
 
-/// A mover near enough to matter, with the distance that counts as contact.
+/// A mover near enough to matter, with the distance that counts as contact in predictions.
 struct Near<'a> {
     track: &'a Track,
+    /// Of the disc around its reference point that covers it, m.
+    radius: f64,
     speed: f64,
     keep: f64,
     growth: f64,
+}
+
+impl Near<'_> {
+    /// Distance of the outline, `t` s from now at constant velocity, to a disc, m: at least this.
+    #[inline]
+    fn distance(&self, p: Point, t: f64) -> f64 {
+        let q = self.track;
+        if q.outline.points.len() == 1 {
+            let (dx, dy) = (p[0] - q.position[0] - q.velocity[0] * t, p[1] - q.position[1] - q.velocity[1] * t);
+            return (dx * dx + dy * dy).sqrt() - self.radius;
+        }
+        q.distance(p, t)
+    }
 }
 
 /// What was met first.
@@ -42,35 +59,60 @@ pub(super) enum Met {
 /// The surroundings of one control step.
 pub(super) struct Field<'a> {
     world: &'a World,
+    body: &'a Body,
+    /// Shapes within reach.
+    shapes: Vec<&'a Shape>,
+    gridded: bool,
     keep: f64,
     near: Vec<Near<'a>>,
 }
 
 impl<'a> Field<'a> {
-    /// The robot is the disc that covers its footprint. Margins shrink to the room there is at the start, so that a robot that stands too near may leave
-    /// but not come nearer. Movers that cannot be met within `horizon` s are left out.
-    pub fn new(world: &'a World, robot: &Robot, seen: &'a Observation, margins: Margins, horizon: f64) -> Self {
-        let radius = robot.footprint.circumscribed();
+    /// Margins shrink to the room there is at the start, so that a robot that stands too near may leave but not come nearer. Movers and shapes that
+    /// cannot be met within `horizon` s are left out.
+    pub fn new(world: &'a World, robot: &Robot, body: &'a Body, seen: &'a Observation, (margins, horizon): (Margins, f64)) -> Self {
         let p = [seen.pose[0], seen.pose[1]];
-        let room = world.clearance_within(p, radius + margins.still + 0.1) - radius;
-        let keep = radius + margins.still.min(room - SPARE).max(0.0);
-        let near = seen.tracks.iter().filter_map(|track| {
-            let speed = track.velocity[0].hypot(track.velocity[1]);
-            let gap = track.distance(p, 0.0) - radius;
-            let far = (robot.speed + speed + margins.growth) * horizon + margins.moving;
-            (gap < far).then(|| Near { track, speed, keep: radius + margins.moving.min(gap - 0.01).max(0.01), growth: margins.growth })
-        });
-        Self { world, keep, near: near.collect() }
+        let far = robot.speed * horizon + body.reach + margins.still + REACH;
+        let shapes = world.shapes().iter().filter(|s| s.distance(p) < far).collect();
+        let mut field = Self { world, body, shapes, gridded: world.grid().is_some(), keep: 0.0, near: Vec::new() };
+        let room = field.slack(seen.pose);
+        field.keep = margins.still.min(room - SPARE).max(0.0);
+        field.near.extend(seen.tracks.iter().filter_map(|track| {
+            let (speed, radius) = (track.velocity[0].hypot(track.velocity[1]), track.outline.circumscribed());
+            let away = distance(p, track.position) - radius - body.reach;
+            let far = (robot.speed + speed.max(track.bound) + margins.growth) * horizon + margins.moving + track.doubt;
+            if away.is_nan() || away >= far {
+                return None;
+            }
+            let mut near = Near { track, radius, speed, keep: 0.0, growth: margins.growth };
+            let gap = discs(body, seen.pose).map(|(c, r)| near.distance(c, 0.0) - r).fold(f64::INFINITY, f64::min);
+            near.keep = (margins.moving + track.doubt).min(gap - 0.01).max(0.01);
+            Some(near)
+        }));
+        field
     }
 
-    /// Distance that the robot at `p` can move in any direction without meeting a static obstacle, m; not positive where it may not be.
+    /// Clearance of a point to the static world, m, exact below `reach`.
+    fn clear(&self, p: Point, reach: f64) -> f64 {
+        if self.gridded {
+            return self.world.clearance_within(p, reach);
+        }
+        self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Distance that the robot at `pose` can move in any direction without meeting a static obstacle (its discs, with their margin), m; not positive
+    /// where it may not be.
     #[inline]
-    pub fn slack(&self, p: Point) -> f64 {
-        let border = self.border(p);
+    pub fn slack(&self, pose: [f64; 3]) -> f64 {
+        let border = self.border([pose[0], pose[1]]);
         if border <= 0.0 {
             return border;
         }
-        border.min(self.world.clearance_within(p, self.keep + REACH).min(self.keep + REACH) - self.keep)
+        let discs = discs(self.body, pose).map(|(c, r)| {
+            let cap = r + self.keep + REACH;
+            self.clear(c, cap).min(cap) - r - self.keep
+        });
+        discs.fold(border, f64::min)
     }
 
     /// Distance of the reference point to the border and a little beyond, m.
@@ -84,40 +126,129 @@ impl<'a> Field<'a> {
         (0..2).map(|k| (q[k] - low[k]).min(high[k] - q[k])).fold(f64::INFINITY, f64::min) * scale + BORDER
     }
 
-    /// Smallest room to a mover at `p` after `t` s, m, its index in the observation, and how long a robot at speed `v` cannot meet any, s.
+    /// Distance of the exact footprint at `pose` to static obstacles and of the reference point to the border, m. Where it is at least `cap`, anything
+    /// from `cap` up that is not more than it.
+    pub fn gap(&self, pose: [f64; 3], cap: f64) -> f64 {
+        let p = [pose[0], pose[1]];
+        let border = self.border(p);
+        let middle = self.clear(p, cap + self.body.reach).min(cap + self.body.reach);
+        if self.body.round() || middle - self.body.reach >= cap || middle <= self.body.inscribed {
+            return border.min(middle - if middle <= self.body.inscribed { self.body.inscribed } else { self.body.reach });
+        }
+        let here = self.body.outline.at(pose);
+        let shapes = self.shapes.iter().map(|s| s.body_distance(&here.points)).fold(cap, f64::min);
+        border.min(shapes).min(self.cells(&here.points, shapes))
+    }
+
+    /// Distance of a convex body to the blocked cells, m, exact below `cap`, else `cap`.
+    fn cells(&self, corners: &[Point], cap: f64) -> f64 {
+        let Some(grid) = self.world.grid() else { return cap };
+        let side = grid.resolution();
+        let corners: Vec<Point> = corners.iter().map(|p| grid.to_cells(*p)).collect();
+        let pad = cap.max(0.0) / side + 1e-9;
+        let range = |k: usize, top: u32| {
+            let low = corners.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min) - pad;
+            let high = corners.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max) + pad;
+            low.floor().clamp(0.0, f64::from(top)) as u32..high.ceil().clamp(0.0, f64::from(top)) as u32
+        };
+        let mut best = cap / side;
+        for y in range(1, grid.height()) {
+            for x in range(0, grid.width()).filter(|x| grid.blocked().at(*x, y)) {
+                let (i, j) = (f64::from(x), f64::from(y));
+                best = best.min(convex_distance(&corners, &[[i, j], [i + 1.0, j], [i + 1.0, j + 1.0], [i, j + 1.0]]));
+            }
+        }
+        best * side
+    }
+
+    /// Smallest room to a mover at `pose` after `t` s, m, its number, and how long a robot whose points move at `v` cannot meet any, s.
     #[inline]
-    pub fn movers(&self, p: Point, t: f64, v: f64) -> (f64, usize, f64) {
+    pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> (f64, usize, f64) {
         let mut least = (f64::INFINITY, usize::MAX, f64::INFINITY);
-        for near in &self.near {
-            let gap = near.track.distance(p, t) - near.keep - near.growth * t;
-            least.2 = least.2.min(gap / (v + near.speed + near.growth).max(1e-6));
-            if gap < least.0 {
-                (least.0, least.1) = (gap, near.track.id);
+        if self.near.is_empty() {
+            return least;
+        }
+        let (sin, cos) = if self.body.round() { (0.0, 1.0) } else { pose[2].sin_cos() };
+        for (c, r) in &self.body.discs {
+            let p = [pose[0] + cos * c[0] - sin * c[1], pose[1] + sin * c[0] + cos * c[1]];
+            for near in &self.near {
+                let gap = near.distance(p, t) - r - near.keep - near.growth * t;
+                least.2 = least.2.min(gap / (v + near.speed + near.growth).max(1e-6));
+                if gap < least.0 {
+                    (least.0, least.1) = (gap, near.track.id);
+                }
             }
         }
         least
     }
 
-    /// Room at `p` after `t` s to all places that movers could have reached by then at their present speeds in any direction, m.
-    pub fn doubt(&self, p: Point, t: f64) -> f64 {
-        self.near.iter().map(|near| near.track.distance(p, 0.0) - near.keep - near.speed * t).fold(f64::INFINITY, f64::min)
+    /// Distance of the discs at `pose` to the nearest obstacle, movers `t` s from now at constant velocity, m, capped.
+    pub fn nearest(&self, pose: [f64; 3], t: f64, cap: f64) -> f64 {
+        let disc = |(c, r): (Point, f64)| {
+            let movers = self.near.iter().map(|near| near.distance(c, t)).fold(f64::INFINITY, f64::min);
+            movers.min(self.clear(c, cap + r)) - r
+        };
+        discs(self.body, pose).map(disc).fold(cap, f64::min)
+    }
+
+    /// Smallest distance of the exact footprint at `pose` to what a mover could have reached after `t` s, m, and its number: its outline grown by
+    /// `doubt + bound * t`. Movers in `but` are left out.
+    pub fn reach(&self, pose: [f64; 3], t: f64, but: &[usize]) -> (f64, usize) {
+        let p = [pose[0], pose[1]];
+        let mut least = (f64::INFINITY, usize::MAX);
+        for near in self.near.iter().filter(|n| !but.contains(&n.track.id)) {
+            let grown = near.track.doubt + near.track.bound * t;
+            let rough = distance(p, near.track.position) - near.radius - self.body.reach - grown;
+            let exact = || {
+                let q = near.track.position;
+                self.body.outline.at([p[0] - q[0], p[1] - q[1], pose[2]]).gap(&near.track.outline) - grown
+            };
+            let gap = if rough >= least.0 || (self.body.round() && near.track.outline.points.len() == 1) { rough } else { exact() };
+            if gap < least.0 {
+                least = (gap, near.track.id);
+            }
+        }
+        least
+    }
+
+    /// As [`Field::reach`] after `t` s of motion at constant velocity and `more` s of any: at least this, m.
+    #[inline]
+    pub fn later(&self, p: Point, t: f64, more: f64) -> f64 {
+        let room = |n: &Near| n.distance(p, t) - n.track.doubt - n.track.bound * more;
+        self.near.iter().map(room).fold(f64::INFINITY, f64::min) - self.body.reach
+    }
+
+    /// Centre and radius (m) of the discs that hold all that movers could reach within `t` s.
+    pub fn discs(&self, t: f64) -> Vec<[f64; 3]> {
+        let disc = |n: &Near| [n.track.position[0], n.track.position[1], n.radius + n.track.doubt + n.track.bound * t];
+        self.near.iter().map(disc).collect()
+    }
+
+    /// The largest speed that any mover may have, m/s.
+    pub fn fastest(&self) -> f64 {
+        self.near.iter().map(|n| n.track.bound).fold(0.0, f64::max)
+    }
+
+    /// Tracks that may matter.
+    pub fn tracks(&self) -> impl Iterator<Item = &Track> {
+        self.near.iter().map(|n| n.track)
     }
 
     /// First contact on the arc of constant `v` (>= 0 m/s) and `w` (rad/s) within `horizon` s: when and with what. Conservative advancement: a step
     /// is never longer than the free distance over the closing speed, or 0.01 s.
-    pub fn contact(&self, pose: [f64; 3], v: f64, w: f64, horizon: f64) -> Option<(f64, Met)> {
+    pub fn contact(&self, pose: [f64; 3], [v, w]: [f64; 2], horizon: f64) -> Option<(f64, Met)> {
+        let own = v + if self.body.round() { 0.0 } else { w.abs() * self.body.reach };
         let (mut t, mut checked) = (0.0, 0.0);
         while t <= horizon {
             let at = arc(pose, v, w, t);
-            let p = [at[0], at[1]];
-            if t >= checked && (v > 0.0 || t == 0.0) {
-                let slack = self.slack(p);
+            if t >= checked && (own > 0.0 || t == 0.0) {
+                let slack = self.slack(at);
                 if slack <= 0.0 {
                     return Some((t, Met::Static));
                 }
-                checked = if v > 0.0 { t + slack / v } else { f64::INFINITY };
+                checked = if own > 0.0 { t + slack / own } else { f64::INFINITY };
             }
-            let (gap, id, safe) = self.movers(p, t, v);
+            let (gap, id, safe) = self.movers(at, t, own);
             if gap <= 0.0 {
                 return Some((t, Met::Mover(id)));
             }
@@ -125,4 +256,11 @@ impl<'a> Field<'a> {
         }
         None
     }
+}
+
+/// Centres (map frame) and radii of the discs that cover the body at `pose`.
+#[inline]
+fn discs(body: &Body, pose: [f64; 3]) -> impl Iterator<Item = (Point, f64)> {
+    let (sin, cos) = if body.round() { (0.0, 1.0) } else { pose[2].sin_cos() };
+    body.discs.iter().map(move |(c, r)| ([pose[0] + cos * c[0] - sin * c[1], pose[1] + sin * c[0] + cos * c[1]], *r))
 }

@@ -45,14 +45,9 @@ impl Local {
         Self { marks: (0..=n).map(mark).collect(), length: course.length() }
     }
 
-    /// The first mark.
-    pub fn first(&self) -> &Mark {
-        &self.marks[0]
-    }
-
-    /// Index of the nearest mark, found by going on from `i`.
+    /// Index of the nearest mark, found by going on or back from `i`.
     #[inline]
-    pub fn onward(&self, mut i: usize, p: Point) -> usize {
+    pub fn nearest(&self, mut i: usize, p: Point) -> usize {
         let d2 = |i: usize| (self.marks[i].point[0] - p[0]).powi(2) + (self.marks[i].point[1] - p[1]).powi(2);
         let mut here = d2(i);
         while i + 1 < self.marks.len() {
@@ -62,7 +57,20 @@ impl Local {
             }
             (i, here) = (i + 1, next);
         }
+        while i > 0 {
+            let next = d2(i - 1);
+            if next >= here {
+                break;
+            }
+            (i, here) = (i - 1, next);
+        }
         i
+    }
+
+    /// The mark that is `far` m beyond mark `i`, or the last before the end of the path.
+    #[inline]
+    pub fn beyond(&self, i: usize, far: f64) -> &Mark {
+        &self.marks[(i + (far / STEP) as usize).min(self.marks.len() - 1)]
     }
 
     /// The mark at index `i`.

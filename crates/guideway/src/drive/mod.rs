@@ -4,23 +4,26 @@
 //! noisy pose, the speeds and the movers that are visible. The run is judged with the true state, exactly.
 
 mod ask;
+mod body;
 mod controllers;
 mod course;
+mod critics;
 mod dwa;
 mod execute;
 mod eyes;
 mod field;
 mod filter;
+mod guard;
 mod guide;
+mod improved;
 mod lidar;
 mod local;
 mod navigator;
 mod outline;
 mod pilot;
-mod predictive;
 mod rays;
 mod record;
-mod rollout;
+mod search;
 mod sense;
 mod separation;
 #[cfg(test)]
@@ -29,6 +32,7 @@ mod to_go;
 mod trace;
 mod tracker;
 mod unicycle;
+mod ways;
 
 pub use ask::{Ask, Planning, Replanner};
 pub use controllers::{CONTROLLERS, ControllerEntry, Setup, controller};
@@ -37,11 +41,11 @@ pub use dwa::Dwa;
 pub use execute::{Job, Sense, execute, execute_on};
 pub use eyes::Eyes;
 pub use guide::{Guide, Passing, SubGoals};
+pub use improved::ImprovedDwa;
 pub use lidar::{Lidar, Scan};
 pub use navigator::OwnReplanner;
 pub use outline::Outline;
 pub use pilot::{Pilot, Step};
-pub use predictive::Predictive;
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Sketch, Tracking};
 pub use sense::{Track, visible};
 pub use to_go::{CostToGo, DEAR, Soft};

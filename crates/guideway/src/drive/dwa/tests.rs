@@ -28,7 +28,7 @@ fn cluttered(rng: &mut ChaCha8Rng) -> (Vec<Shape>, [Point; 2]) {
 
 #[test]
 fn no_dynamic_window_drives_into_static_obstacles() {
-    for (name, worlds) in [("dwa", 8), ("predictive-dwa", 4)] {
+    for (name, worlds) in [("dwa", 8), ("improved-dwa", 4)] {
         for seed in 0..worlds {
             let (shapes, ends) = cluttered(&mut ChaCha8Rng::seed_from_u64(seed));
             let world = room(HALL, shapes, Vec::new());
@@ -53,7 +53,7 @@ fn no_moving_robot_meets_a_mover_that_keeps_its_velocity() {
             })
             .collect();
         let world = room(HALL, Vec::new(), movers);
-        let run = drive("predictive-dwa", &query(&world, &ends), &ends, seed, |_| {});
+        let run = drive("improved-dwa", &query(&world, &ends), &ends, seed, |_| {});
         assert!(run.collision.as_ref().is_none_or(|c| c.unavoidable), "{seed} {:?}", run.collision);
         assert_eq!(run.outcome, Outcome::Arrived, "{seed} {:?}", run.events);
     }
@@ -81,7 +81,7 @@ fn aimed_at_the_goal_alone_the_window_is_caught_in_a_pocket_and_with_a_path_it_i
     let around = [[1.0, 4.0], [2.8, 1.2], [7.0, 1.2], [11.0, 4.0]];
     let caught = in_the_pocket("dwa", &straight, json!({"look_ahead": 1e6}));
     assert_eq!(caught.outcome, Outcome::Stuck, "{:?}", caught.events);
-    for name in ["dwa", "predictive-dwa"] {
+    for name in ["dwa", "improved-dwa"] {
         let free = in_the_pocket(name, &around, serde_json::Value::Null);
         assert_eq!(free.outcome, Outcome::Arrived, "{name} {:?}", free.events);
     }
@@ -92,10 +92,11 @@ fn the_window_holds_what_the_base_can_reach() {
     let world = room(HALL, Vec::new(), Vec::new());
     let setup = Setup { world, robot: crate::drive::Robot::new(crate::world::Footprint::Disc(0.2), &limits()).unwrap(), clearance: 0.1 };
     let seen = Observation::new(0.0, [1.0, 1.0, 0.0], 0.95, 0.1);
-    let all = window(&setup, &seen, [0.1, f64::INFINITY], [11, 21]);
+    let all = window(&setup.robot, &seen, 0.1, [11, 21]);
     assert!(all.iter().all(|(v, w)| (0.85 - 1e-12..=1.0).contains(v) && (-0.3 - 1e-12..=0.5 + 1e-12).contains(w)) && all.len() == 11 * 22);
-    let field = Field::new(&setup.world, &setup.robot, &seen, Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 3.0);
-    assert!(field.contact(seen.pose, 1.0, 0.0, 3.0).is_none());
+    let body = Body::of(&setup.robot.footprint);
+    let field = Field::new(&setup.world, &setup.robot, &body, &seen, (Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 3.0));
+    assert!(field.contact(seen.pose, [1.0, 0.0], 3.0).is_none());
 }
 
 #[test]
@@ -103,8 +104,9 @@ fn the_first_contact_on_an_arc_is_where_geometry_puts_it() {
     let world = room(HALL, vec![Shape::disc([5.0, 4.0], 0.5).unwrap()], Vec::new());
     let robot = crate::drive::Robot::new(crate::world::Footprint::Disc(0.2), &limits()).unwrap();
     let seen = Observation::new(0.0, [1.0, 4.0, 0.0], 0.0, 0.0);
-    let field = Field::new(&world, &robot, &seen, Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 5.0);
-    let (t, met) = field.contact(seen.pose, 1.0, 0.0, 5.0).unwrap();
+    let body = Body::of(&robot.footprint);
+    let field = Field::new(&world, &robot, &body, &seen, (Margins { still: 0.0, moving: 0.0, growth: 0.0 }, 5.0));
+    let (t, met) = field.contact(seen.pose, [1.0, 0.0], 5.0).unwrap();
     assert!(met == Met::Static && (t - 3.3).abs() < 0.011, "{t}");
-    assert!(field.contact([1.0, 3.2, 0.0], 1.0, 0.0, 5.0).is_none() && field.contact(seen.pose, 1.0, 1.0, 5.0).is_none());
+    assert!(field.contact([1.0, 3.2, 0.0], [1.0, 0.0], 5.0).is_none() && field.contact(seen.pose, [1.0, 1.0], 5.0).is_none());
 }

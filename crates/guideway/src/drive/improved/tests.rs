@@ -7,7 +7,7 @@ const BEND: [[f64; 2]; 3] = [[1.0, 1.0], [5.0, 1.0], [5.0, 4.0]];
 
 fn bend(movers: Vec<Mover>, seed: u64) -> Run {
     let world = room(ROOM, Vec::new(), movers);
-    drive("predictive-dwa", &query(&world, &BEND), &BEND, seed, |_| {})
+    drive("improved-dwa", &query(&world, &BEND), &BEND, seed, |_| {})
 }
 
 #[test]
@@ -15,7 +15,7 @@ fn a_free_path_is_followed_closely() {
     let control = [[1.0, 1.0], [2.5, 1.0], [4.5, 1.0], [6.0, 2.0], [6.0, 3.5], [6.0, 5.0]];
     let world = room(ROOM, Vec::new(), Vec::new());
     let motion = curve(&control);
-    let run = drive_along("predictive-dwa", &query(&world, &[control[0], control[5]]), (&motion, None), 0, |_| {});
+    let run = drive_along("improved-dwa", &query(&world, &[control[0], control[5]]), (&motion, None), 0, |_| {});
     assert_eq!((run.outcome, run.emergency_stops), (Outcome::Arrived, 0), "{:?}", run.events);
     assert!(run.tracking.tte < 0.1 && run.tracking.tpe < 0.06 && run.time < 1.3 * motion.duration(), "{} {:?}", run.time, run.tracking);
 }

@@ -1,0 +1,309 @@
+//! Our settings: the best sequence of manoeuvres over the next seconds, its first command only if a full brake after it is safe.
+
+use super::ImprovedDwa;
+use crate::context::Context;
+use crate::drive::body::Body;
+use crate::drive::critics::{Candidate, Weights};
+use crate::drive::dwa::{nearest, why};
+use crate::drive::field::{Field, Margins, Met};
+use crate::drive::filter::Filter;
+use crate::drive::guard::{Bounds, Guard, State};
+use crate::drive::local::Local;
+use crate::drive::search::{Node, Plans, Search};
+use crate::drive::ways::{Predictor, Sim, Way};
+use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
+use crate::world::shape::wrap;
+use std::sync::Arc;
+
+/// Ends of the levels as shares of the horizon.
+const LEVELS: [f64; 5] = [0.08, 0.2, 0.4, 0.66, 1.0];
+/// Offsets (m) and shares of the reference speed of the first and of the later manoeuvres along the path.
+const OFFSETS: [f64; 7] = [0.0, -0.35, 0.35, -0.7, 0.7, -1.1, 1.1];
+const LATER: [f64; 3] = [0.0, -0.7, 0.7];
+const SHARES: [f64; 2] = [1.0, 0.5];
+/// Shares of the top speed and of the largest turn rate of the arcs.
+const SPEEDS: [f64; 3] = [0.0, 0.4, 0.9];
+const TURNS: [f64; 4] = [-0.9, -0.35, 0.35, 0.9];
+/// Time that the place of a stop must stay free beyond the horizon, s.
+const PARK: f64 = 2.5;
+/// Room to movers above which they no longer count as near, m.
+const WIDE: f64 = 0.8;
+/// Distance from the path beyond which it costs no more, m.
+const LIMIT: f64 = 2.0;
+/// The last metre counts so much more, m; what is left on the way there counts so much of what is left at its end.
+const LAST: f64 = 0.6;
+const EARLY: f64 = 0.3;
+/// Stops in predictions begin so much later (s) and keep so much more distance (m) than those that are guaranteed.
+const SLOW: f64 = 0.05;
+const SPARE: f64 = 0.04;
+/// Distance to the end of the path that counts as there, and beside it, m.
+const THERE: f64 = 0.03;
+const BESIDE: f64 = 0.06;
+/// Smaller commands are none, m/s and rad/s.
+const NOTHING: [f64; 2] = [0.02, 0.05];
+/// Older looks at the surroundings are none, s.
+const BLIND: f64 = 0.5;
+/// Arcs in a sketch.
+const FAN: usize = 12;
+
+pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
+    let still = p.safety.unwrap_or((0.5 * setup.clearance).clamp(0.02, 0.1));
+    let body = Body::of(&setup.robot.footprint);
+    Box::new(Planning {
+        margins: Margins { still, moving: p.safety.unwrap_or(0.1), growth: p.growth },
+        weights: p.weights(),
+        filter: Filter::new(p.trust.min(1.0)),
+        arm: if body.round() { 0.0 } else { body.reach },
+        setup: setup.clone(),
+        p,
+        body,
+        guide: None,
+        s: 0.0,
+        best: (0.0, f64::NAN),
+        last: Last { command: Command::default(), side: None, time: f64::NAN },
+        held: None,
+        sketch: Sketch::default(),
+    })
+}
+
+/// What was done before.
+struct Last {
+    command: Command,
+    side: Option<i32>,
+    time: f64,
+}
+
+struct Planning {
+    p: ImprovedDwa,
+    weights: Weights,
+    setup: Setup,
+    body: Body,
+    margins: Margins,
+    filter: Filter,
+    arm: f64,
+    guide: Option<Arc<Guide>>,
+    /// Arc length of the robot's projection, m.
+    s: f64,
+    /// Arc length reached, m, and when, s.
+    best: (f64, f64),
+    last: Last,
+    /// The manoeuvre that is held, and until when, s.
+    held: Option<(f64, Way)>,
+    sketch: Sketch,
+}
+
+impl Controller for Planning {
+    fn follow(&mut self, guide: &Arc<Guide>) {
+        self.guide = Some(Arc::clone(guide));
+        (self.s, self.best, self.held) = (0.0, (0.0, f64::NAN), None);
+        self.last.side = None;
+    }
+
+    fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
+        let decision = self.decided(seen);
+        self.last.command = if let Decision::Drive(command) = decision { command } else { Command::default() };
+        self.last.time = seen.time;
+        decision
+    }
+
+    fn trace(&self) -> Option<Sketch> {
+        Some(self.sketch.clone())
+    }
+}
+
+impl Planning {
+    fn decided(&mut self, seen: &Observation) -> Decision {
+        let Some(guide) = self.guide.clone() else { return Decision::Stop(Reason::new("no course to follow")) };
+        if !seen.pose.iter().chain([&seen.v, &seen.w, &seen.time]).all(|x| x.is_finite()) {
+            return Decision::Stop(Reason::new("the estimate of the robot's state is no number"));
+        }
+        if seen.age > BLIND {
+            return Decision::Stop(Reason::new(format!("nothing seen for {:.1} s", seen.age)));
+        }
+        let mut seen = seen.clone();
+        self.filter.apply(&mut seen);
+        let course = &guide.course;
+        self.s = course.project([seen.pose[0], seen.pose[1]], (self.s - 1.0).max(0.0), self.s + 0.5).0;
+        if let Some(decision) = self.at_the_end(course, &seen) {
+            return decision;
+        }
+        if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
+            self.best = (self.s, seen.time);
+        }
+        if seen.time - self.best.1 > self.p.patience {
+            self.best.1 = seen.time;
+            return Decision::Replan(nearest(&seen));
+        }
+        self.choose(&guide, &seen)
+    }
+
+    /// At the last point: the last turn in place, then rest.
+    fn at_the_end(&self, course: &Course, seen: &Observation) -> Option<Decision> {
+        let end = course.end().pose;
+        if course.length() - self.s > THERE || off(end, seen) > BESIDE {
+            return None;
+        }
+        let arrival = course.states().iter().rev().find(|q| q.s < course.length() - 1e-6).map_or(end[2], |q| q.pose[2]);
+        let turn = wrap(end[2] - seen.pose[2]);
+        if wrap(end[2] - arrival).abs() > 0.05 && turn.abs() > 0.03 && seen.v < 0.1 {
+            let rate = self.setup.robot.turn_rate;
+            return Some(Decision::Drive(Command { v: 0.0, w: (2.0 * turn).clamp(-rate, rate) }));
+        }
+        Some(Decision::Stop(Reason::new("at the end of the path")))
+    }
+
+    fn choose(&mut self, guide: &Guide, seen: &Observation) -> Decision {
+        let robot = &self.setup.robot.clone();
+        let body = &self.body.clone();
+        let world = seen.known.clone().unwrap_or_else(|| Arc::clone(&self.setup.world));
+        let field = Field::new(&world, robot, body, seen, (self.margins, self.p.horizon + PARK));
+        let hold = if self.last.time.is_nan() { self.p.period } else { (seen.time - self.last.time).clamp(self.p.period, 1.0) };
+        let lag = [self.p.lag_speed, self.p.lag_turn];
+        let bounds = Bounds { lag, delay: self.p.delay, hold, error: self.p.error, drift: self.p.drift };
+        let now = State { pose: seen.pose, v: seen.v, w: seen.w };
+        let guard = Guard::new((&field, self.arm), robot, bounds, now, self.last.command);
+        let back = self.s.min(1.0);
+        let local = Local::new(&guide.course, self.s - back, back + robot.speed * (self.p.horizon + 0.5) + 0.5);
+        let stop = [hold + self.p.delay + SLOW, self.p.error + SPARE];
+        let predictor = Predictor { field: &field, local: &local, robot, lag, arm: self.arm, wide: WIDE, limit: LIMIT, stop };
+        let start = guard.ahead(self.p.delay);
+        let mark = local.nearest((back / 0.05) as usize, [start.pose[0], start.pose[1]]);
+        let start = Sim { pose: start.pose, v: start.v, w: start.w, mark };
+        if let Some((until, way)) = self.held
+            && seen.time < until - 1e-9
+        {
+            let (v, w) = predictor.wanted(way, &start);
+            if self.allowed(&guard, Command { v, w }).is_ok() {
+                return Decision::Drive(Command { v, w });
+            }
+        }
+        let firsts = self.firsts();
+        let plans = self.search(&predictor, start, &firsts, guide);
+        self.pick((&plans, &firsts), &predictor, &guard, (&start, seen))
+    }
+
+    /// The best plan whose first command is safe.
+    fn pick(&mut self, (plans, firsts): (&Plans, &[Way]), predictor: &Predictor, guard: &Guard, (start, seen): (&Sim, &Observation)) -> Decision {
+        self.sketch.fan = plans.best.iter().take(FAN).map(|i| plans.line(*i)).collect();
+        self.sketch.chosen.clear();
+        self.sketch.discs.clear();
+        let planned = plans.best.iter().map(|i| plans.node(*i)).find(|n| n.first == 0).and_then(|n| n.met);
+        let mut refused = None;
+        for &i in &plans.best {
+            let way = firsts[plans.node(i).first];
+            let (v, w) = predictor.wanted(way, start);
+            let command = Command { v, w };
+            match self.allowed(guard, command) {
+                Err(met) => refused = refused.or(Some(met)),
+                Ok(rest) => {
+                    self.sketch.chosen = plans.line(i);
+                    self.sketch.discs = predictor.field.discs(rest);
+                    self.last.side = Some(way.side());
+                    if v.abs() < NOTHING[0] && w.abs() < NOTHING[1] {
+                        self.held = None;
+                        return Decision::Stop(why(refused.or(planned).or(plans.node(i).met), seen));
+                    }
+                    self.held = Some((seen.time + self.p.period, way));
+                    return Decision::Drive(command);
+                }
+            }
+        }
+        (self.held, self.last.side) = (None, None);
+        Decision::Stop(unsafe_stop(refused, seen))
+    }
+
+    /// Is a command safe? The time until the base stands after it, s.
+    fn allowed(&self, guard: &Guard, command: Command) -> Result<f64, Met> {
+        if self.p.guarantee { guard.certify(command) } else { Ok(0.0) }
+    }
+
+    fn search(&self, predictor: &Predictor, start: Sim, firsts: &[Way], guide: &Guide) -> Plans {
+        let levels = LEVELS.map(|share| share * self.p.horizon);
+        let search = Search { predictor, levels: &levels, beam: self.p.beam as usize, park: PARK };
+        let commands: Vec<(f64, f64)> = firsts.iter().map(|way| predictor.wanted(*way, &start)).collect();
+        let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| {
+            if level == 0 { list.extend_from_slice(firsts) } else { self.later(&node.sim, list) }
+        };
+        let score = |node: &Node| self.weights.total(&self.candidate(node, predictor, (firsts[node.first], commands[node.first]), guide));
+        let left = |sim: &Sim| self.left(sim, predictor.local);
+        search.run(start, &mut ways, &left, &score)
+    }
+
+    /// What may be done now, the path itself first.
+    fn firsts(&self) -> Vec<Way> {
+        let (top, rate) = (self.setup.robot.speed, self.setup.robot.turn_rate);
+        let mut all: Vec<Way> = Vec::with_capacity(40);
+        all.extend(OFFSETS.iter().flat_map(|offset| SHARES.map(|share| Way::Follow { share, offset: *offset })));
+        all.push(Way::Arc { v: 0.0, w: 0.0 });
+        all.extend(SPEEDS.iter().flat_map(|v| TURNS.map(|w| Way::Arc { v: v * top, w: w * rate })));
+        all.extend([Way::Arc { v: 0.9 * top, w: 0.0 }, Way::Arc { v: 0.4 * top, w: 0.0 }]);
+        if self.p.reverse > 0.0 {
+            all.extend([0.0, -0.35, 0.35].map(|w| Way::Arc { v: -self.p.reverse.min(top), w: w * rate }));
+        }
+        all.extend([1.0, 0.4].map(|share| Way::Toward { v: share * top }));
+        all
+    }
+
+    /// What may follow.
+    fn later(&self, sim: &Sim, list: &mut Vec<Way>) {
+        let (top, rate) = (self.setup.robot.speed, self.setup.robot.turn_rate);
+        list.extend(LATER.iter().map(|offset| Way::Follow { share: 1.0, offset: *offset }));
+        list.push(Way::Toward { v: 0.6 * top });
+        list.push(Way::Follow { share: 0.5, offset: 0.0 });
+        list.push(Way::Arc { v: 0.0, w: 0.0 });
+        list.push(Way::Arc { v: 0.9 * top, w: 0.0 });
+        list.extend([-0.5, 0.5].map(|w| Way::Arc { v: 0.7 * top, w: w * rate }));
+        list.extend([-1.0, 1.0].map(|turn| Way::Heading { yaw: wrap(sim.pose[2] + turn * 1.5), v: 0.6 * top }));
+        if self.p.reverse > 0.0 && sim.v < 0.1 {
+            list.push(Way::Arc { v: -self.p.reverse.min(top), w: 0.0 });
+        }
+    }
+
+    /// Distance to the goal that is left, m; the last bit counts more, so that it is worth driving.
+    fn left(&self, sim: &Sim, local: &Local) -> f64 {
+        let [s, lateral, _] = local.relative(sim.mark, sim.pose);
+        let mark = local.mark(sim.mark);
+        let off = if s < local.length { lateral.abs() } else { (sim.pose[0] - mark.point[0]).hypot(sim.pose[1] - mark.point[1]) };
+        let left = (local.length - s).max(0.0) + 0.7 * off;
+        left + LAST * left.min(1.0).sqrt()
+    }
+
+    /// What the critics see of a plan.
+    fn candidate(&self, node: &Node, predictor: &Predictor, (way, (v, w)): (Way, (f64, f64)), guide: &Guide) -> Candidate {
+        let (sim, local) = (&node.sim, predictor.local);
+        let lateral = local.relative(sim.mark, sim.pose)[1];
+        let mark = local.mark(sim.mark);
+        let along = if mark.s > local.length - 0.15 { sim.pose[2] } else { mark.yaw - (2.0 * lateral / (0.5 + sim.v.max(0.0))).atan() };
+        let end = guide.course.end().pose;
+        Candidate {
+            v,
+            w,
+            end: sim.pose,
+            target: [end[0], end[1]],
+            along,
+            dist: 0.0,
+            left: (self.left(sim, local) + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
+            aside: node.aside,
+            close: node.near,
+            exposed: node.exposed,
+            change: (v - self.last.command.v).abs() + 0.3 * (w - self.last.command.w).abs(),
+            kept: self.last.side == Some(way.side()),
+        }
+    }
+}
+
+/// Distance from the end pose, m.
+fn off(end: [f64; 3], seen: &Observation) -> f64 {
+    (end[0] - seen.pose[0]).hypot(end[1] - seen.pose[1])
+}
+
+/// Not even braking is certain to be in time, or nothing else is.
+fn unsafe_stop(met: Option<Met>, seen: &Observation) -> Reason {
+    match met {
+        Some(Met::Mover(id)) => match seen.tracks.iter().find(|t| t.id == id) {
+            Some(track) => Reason::at(format!("mover {id} could be here before the robot stands"), track),
+            None => Reason::new(format!("mover {id} could be here before the robot stands")),
+        },
+        other => why(other, seen),
+    }
+}

@@ -1,0 +1,176 @@
+//! The best sequence of manoeuvres over the next seconds: a beam in (place, time).
+//!
+//! Each level appends one manoeuvre to each plan kept so far; of plans that end in the same place the best is kept, of places the best `beam`.
+//! Plans that meet something end there and rank below all others.
+
+use super::field::Met;
+use super::ways::{Predictor, Sim, Way};
+use crate::Point;
+
+/// Plans whose ends are nearer than this, m, or speeds than that, m/s, are alike.
+const ALIKE: [f64; 2] = [0.25, 0.3];
+/// Rank of plans that meet something, and what each second until then is worth.
+const LOST: f64 = -1e3;
+const SECOND: f64 = 10.0;
+
+/// A plan up to one of its levels.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node {
+    pub sim: Sim,
+    /// s from now.
+    pub t: f64,
+    /// Integrals so far, as in the forecast.
+    pub aside: f64,
+    pub near: f64,
+    /// Integral of the exposure (0 to 1) to movers in the places where its levels end, s.
+    pub exposed: f64,
+    /// Integral of the distance left, m s.
+    pub left: f64,
+    /// Index of its first manoeuvre.
+    pub first: usize,
+    parent: usize,
+    pub met: Option<Met>,
+    /// It meets something, or may not be able to stop.
+    pub lost: bool,
+    pub score: f64,
+}
+
+/// A place that is met only after this time is free, s.
+const EXPOSED: f64 = 4.0;
+
+/// What a search is asked.
+pub(super) struct Search<'a> {
+    pub predictor: &'a Predictor<'a>,
+    /// Ends of the levels, s.
+    pub levels: &'a [f64],
+    pub beam: usize,
+    /// Time that the place where a plan ends counts for, s.
+    pub park: f64,
+}
+
+/// All plans of one search.
+pub(super) struct Plans {
+    nodes: Vec<Node>,
+    /// Index of the best plan of each first manoeuvre, best first.
+    pub best: Vec<usize>,
+}
+
+impl Plans {
+    pub fn node(&self, i: usize) -> &Node {
+        &self.nodes[i]
+    }
+
+    /// Ends of the levels of a plan, from the start.
+    pub fn line(&self, mut i: usize) -> Vec<Point> {
+        let mut line = Vec::new();
+        loop {
+            let node = &self.nodes[i];
+            line.push([node.sim.pose[0], node.sim.pose[1]]);
+            if node.parent == i {
+                line.reverse();
+                return line;
+            }
+            i = node.parent;
+        }
+    }
+}
+
+impl Search<'_> {
+    /// Searches from `start`. `ways(node, level)` lists what may follow, `score` judges a node.
+    pub fn run(
+        &self,
+        start: Sim,
+        ways: &mut dyn FnMut(&Node, usize, &mut Vec<Way>),
+        left: &dyn Fn(&Sim) -> f64,
+        score: &dyn Fn(&Node) -> f64,
+    ) -> Plans {
+        let root =
+            Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
+        let (mut nodes, mut open, mut ended) = (vec![root], vec![0], Vec::new());
+        let mut list = Vec::new();
+        for (level, until) in self.levels.iter().enumerate() {
+            let from = nodes.len();
+            for &i in &open {
+                let node = nodes[i];
+                list.clear();
+                ways(&node, level, &mut list);
+                for (k, way) in list.iter().enumerate() {
+                    let first = if level == 0 { k } else { node.first };
+                    let mut next = self.step(&node, *way, *until);
+                    (next.first, next.parent) = (first, i);
+                    if next.lost {
+                        next.score = LOST + SECOND * next.t - next.near;
+                    } else {
+                        let last = if level + 1 == self.levels.len() { self.park } else { 0.0 };
+                        next.exposed += self.exposure(&next) * (until - node.t + last);
+                        next.left += (until - node.t) * left(&next.sim);
+                        next.score = score(&next);
+                    }
+                    nodes.push(next);
+                }
+            }
+            ended.extend((from..nodes.len()).filter(|i| nodes[*i].lost));
+            open = self.keep(&nodes, from, level + 1 < self.levels.len());
+            if open.is_empty() {
+                break;
+            }
+        }
+        ended.extend(open);
+        ended.sort_by(|a, b| nodes[*b].score.total_cmp(&nodes[*a].score).then(a.cmp(b)));
+        let mut seen = Vec::new();
+        ended.retain(|i| {
+            !seen.contains(&nodes[*i].first) && {
+                seen.push(nodes[*i].first);
+                true
+            }
+        });
+        Plans { nodes, best: ended }
+    }
+
+    fn step(&self, node: &Node, way: Way, until: f64) -> Node {
+        let found = self.predictor.run(way, &node.sim, [node.t, until]);
+        let mut next = Node { sim: found.end, t: until, aside: node.aside + found.aside, near: node.near + found.near, ..*node };
+        if let Some((t, met)) = found.contact {
+            (next.t, next.met, next.lost) = (if found.parked { t } else { t - 0.5 }, Some(met), true);
+        } else if let Some(t) = found.late {
+            (next.t, next.lost) = (t - 0.25, true);
+        }
+        next
+    }
+
+    /// The best plans whose ends are not alike.
+    fn keep(&self, nodes: &[Node], from: usize, more: bool) -> Vec<usize> {
+        let mut open: Vec<usize> = (from..nodes.len()).filter(|i| !nodes[*i].lost).collect();
+        open.sort_by(|a, b| nodes[*b].score.total_cmp(&nodes[*a].score).then(a.cmp(b)));
+        if !more {
+            return open;
+        }
+        let mut kept: Vec<usize> = Vec::with_capacity(self.beam);
+        for i in open {
+            let like = |j: &usize| {
+                let (a, b) = (&nodes[i].sim, &nodes[*j].sim);
+                (a.pose[0] - b.pose[0]).abs() < ALIKE[0] && (a.pose[1] - b.pose[1]).abs() < ALIKE[0] && (a.v - b.v).abs() < ALIKE[1]
+            };
+            if !kept.iter().any(like) {
+                kept.push(i);
+                if kept.len() == self.beam {
+                    break;
+                }
+            }
+        }
+        kept
+    }
+
+    /// How soon a robot that stays where a plan ends would be met: 0 never, 1 at once.
+    fn exposure(&self, node: &Node) -> f64 {
+        let (mut t, end) = (node.t, node.t + EXPOSED);
+        while t < end {
+            let (room, _, time) = self.predictor.field.movers(node.sim.pose, t, 0.0);
+            if room <= 0.0 {
+                return 1.0 - (t - node.t) / EXPOSED;
+            }
+            t += time.max(0.1);
+        }
+        0.0
+    }
+}

@@ -1,0 +1,209 @@
+//! Manoeuvres, and what they lead to: predicted in (place, time) with the lags and limits of the base.
+
+use super::field::{Field, Met};
+use super::guard::lagged;
+use super::local::Local;
+use super::{Robot, arc};
+use crate::world::shape::wrap;
+
+/// Integration step, s.
+pub(super) const STEP: f64 = 0.1;
+/// Gain of the heading, 1/s.
+const SPIN: f64 = 3.0;
+/// Heading errors above this are turned in place, rad.
+const PLACE: f64 = 0.7;
+/// Speed over distance left on the last bit, 1/s.
+const SOFT: f64 = 2.5;
+/// Share of the deceleration that is planned with.
+const EASY: f64 = 0.8;
+/// So far ahead is the point that a robot heads for which has left the path, m.
+const AHEAD: f64 = 0.8;
+/// Below this the base stands, m/s.
+const STANDING: f64 = 0.02;
+
+/// A manoeuvre that the robot may choose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Way {
+    /// Constant speed (m/s) and turn rate (rad/s).
+    Arc { v: f64, w: f64 },
+    /// Along the path at a share of its reference speed, on a line so far to its left, m.
+    Follow { share: f64, offset: f64 },
+    /// Turned to a heading (rad, map frame), then straight at that speed, m/s.
+    Heading { yaw: f64, v: f64 },
+    /// Turned towards a point of the path ahead, then straight there, at most at that speed, m/s.
+    Toward { v: f64 },
+}
+
+impl Way {
+    /// A number for the kind and the side it leads to, to keep to what was chosen before.
+    pub fn side(self) -> i32 {
+        match self {
+            Self::Follow { offset, .. } => (10.0 * offset).round() as i32,
+            Self::Arc { v, w } => 10_000 + 10 * i32::from(w > 0.0) + 100 * i32::from(w < 0.0) + i32::from(v > 0.0),
+            Self::Heading { yaw, v } => 20_000 + (yaw * 2.0).round() as i32 + 100 * i32::from(v > 0.0),
+            Self::Toward { .. } => 30_000,
+        }
+    }
+}
+
+/// A predicted state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sim {
+    pub pose: [f64; 3],
+    pub v: f64,
+    pub w: f64,
+    /// Nearest mark.
+    pub mark: usize,
+}
+
+/// What a prediction found.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Forecast {
+    /// First contact, s from now.
+    pub contact: Option<(f64, Met)>,
+    /// The robot was at rest at the contact.
+    pub parked: bool,
+    /// When it could not be sure to stop in time any more, s from now.
+    pub late: Option<f64>,
+    /// State at the end or the contact.
+    pub end: Sim,
+    /// Least room to movers, m.
+    pub gap: f64,
+    /// Integral of the distance from the path, m s, and of the nearness to movers, s.
+    pub aside: f64,
+    pub near: f64,
+}
+
+/// Predicts from one observation.
+pub(super) struct Predictor<'a> {
+    pub field: &'a Field<'a>,
+    pub local: &'a Local,
+    pub robot: &'a Robot,
+    /// Time constants of speed and turn rate, s.
+    pub lag: [f64; 2],
+    /// Distance of the farthest point that turning moves, m.
+    pub arm: f64,
+    /// Room to movers above which they no longer count as near, m.
+    pub wide: f64,
+    /// Largest offset from the path that costs nothing more, m.
+    pub limit: f64,
+    /// Reaction time (s) and error (m) of the stops.
+    pub stop: [f64; 2],
+}
+
+impl Predictor<'_> {
+    /// Speeds that the manoeuvre asks for in a state.
+    pub fn wanted(&self, way: Way, sim: &Sim) -> (f64, f64) {
+        let mark = self.local.mark(sim.mark);
+        let left = (self.local.length - self.local.relative(sim.mark, sim.pose)[0]).max(0.0);
+        match way {
+            Way::Arc { v, w } => (v, w),
+            Way::Heading { yaw, v } => self.turned(wrap(yaw - sim.pose[2]), v),
+            Way::Toward { v } => {
+                let target = self.local.beyond(sim.mark, AHEAD);
+                let (dx, dy) = (target.point[0] - sim.pose[0], target.point[1] - sim.pose[1]);
+                let far = if target.s >= self.local.length - 1e-6 { dx.hypot(dy) } else { f64::INFINITY };
+                self.turned(wrap(dy.atan2(dx) - sim.pose[2]), v.min(approach(EASY * self.robot.deceleration, far)))
+            }
+            Way::Follow { share, offset } => {
+                let [_, lateral, heading] = self.local.relative(sim.mark, sim.pose);
+                // A field of headings that leads to the offset line, steeper at low speed; the offset fades towards the end of the path.
+                let aside = offset.clamp(-left, left) - lateral;
+                let error = wrap((2.0 * aside / (0.5 + sim.v.max(0.0))).atan() - heading);
+                let stop = approach(EASY * self.robot.deceleration, left);
+                let v = if error.abs() > PLACE { 0.0 } else { (share * mark.speed).min(stop) * error.cos().powi(2) };
+                (v, self.rate(v * mark.curvature + SPIN * error))
+            }
+        }
+    }
+
+    /// Turns by `error` (rad) and drives at `v` (m/s) as far as that is done.
+    fn turned(&self, error: f64, v: f64) -> (f64, f64) {
+        (if error.abs() > PLACE { 0.0 } else { v * error.cos().powi(2) }, self.rate(SPIN * error))
+    }
+
+    fn rate(&self, w: f64) -> f64 {
+        w.clamp(-self.robot.turn_rate, self.robot.turn_rate)
+    }
+
+    /// Drives `way` from `start`, whose time is `span[0]` (s from now), until `span[1]` or the first contact.
+    pub fn run(&self, way: Way, start: &Sim, span: [f64; 2]) -> Forecast {
+        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, gap: f64::INFINITY, aside: 0.0, near: 0.0 };
+        let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
+        let n = ((span[1] - span[0]) / STEP).round().max(1.0);
+        let h = (span[1] - span[0]) / n;
+        for _ in 0..n as u32 {
+            let (v, w) = self.wanted(way, &sim);
+            let moved = self.advance(&mut sim, (v, w), h);
+            t += h;
+            slack -= moved;
+            if slack <= 0.0 {
+                slack = self.field.slack(sim.pose);
+                if slack <= 0.0 {
+                    (found.contact, found.end) = (Some((t, Met::Static)), sim);
+                    return found;
+                }
+            }
+            let own = sim.v.abs() + self.arm * sim.w.abs();
+            if t >= safe {
+                let (room, id, time) = self.field.movers(sim.pose, t, self.robot.speed);
+                found.gap = found.gap.min(room);
+                if room <= 0.0 {
+                    (found.contact, found.end, found.parked) = (Some((t, Met::Mover(id))), sim, own < STANDING);
+                    return found;
+                }
+                found.near += h * (1.0 - room / self.wide).max(0.0);
+                if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
+                    && !self.stoppable(&sim, t)
+                {
+                    (found.end, found.late) = (sim, Some(t));
+                    return found;
+                }
+                // Until then nothing is near, whatever the robot does.
+                safe = t + if room > self.wide { time * (1.0 - self.wide / room) } else { 0.0 };
+            }
+            found.aside += h * self.local.relative(sim.mark, sim.pose)[1].abs().min(self.limit);
+        }
+        found.end = sim;
+        found
+    }
+
+    /// Moves on by one step; how far any point of the body has moved at most, m.
+    fn advance(&self, sim: &mut Sim, (v, w): (f64, f64), h: f64) -> f64 {
+        let r = self.robot;
+        let next = lagged([sim.v, v], self.lag[0], [r.acceleration, r.deceleration], h);
+        let turn = lagged([sim.w, w], self.lag[1], [r.turn_acceleration; 2], h);
+        let (mean, bend) = (0.5 * (sim.v + next), 0.5 * (sim.w + turn));
+        let [x, y, yaw] = arc(sim.pose, mean, bend, h);
+        *sim = Sim { pose: [x, y, wrap(yaw)], v: next, w: turn, mark: self.local.nearest(sim.mark, [x, y]) };
+        (mean.abs() + self.arm * bend.abs()) * h
+    }
+
+    /// Could the robot at `sim`, `t` s from now, still stop before movers can reach it, if they kept their velocities until then? At least nearly so:
+    /// looked at halfway through the stop and at its end.
+    fn stoppable(&self, sim: &Sim, t: f64) -> bool {
+        let [reaction, error] = self.stop;
+        let v = sim.v.abs();
+        let brake = v / self.robot.deceleration;
+        let turn = sim.w.abs() / self.robot.turn_acceleration;
+        let whole = reaction + brake.max(turn) + self.lag[0];
+        if v < STANDING && sim.w.abs() < STANDING {
+            return true;
+        }
+        let length = v * (reaction + 0.5 * brake);
+        let at = |share: f64| {
+            let [x, y, yaw] = sim.pose;
+            let bend = yaw + sim.w * share * (0.5 * turn + reaction) * 0.5;
+            [x + sim.v.signum() * share * length * bend.cos(), y + sim.v.signum() * share * length * bend.sin()]
+        };
+        let free = |share: f64, more: f64| self.field.later(at(share), t, more) >= error;
+        // Halfway in time three quarters of the way are driven.
+        free(0.75, 0.5 * whole) && free(1.0, whole)
+    }
+}
+
+/// Speed (m/s) from which the base stops at `left` m with deceleration `a` (m/s2), and comes to rest softly over the last `a / SOFT^2` m.
+fn approach(a: f64, left: f64) -> f64 {
+    let soft = a / (SOFT * SOFT);
+    if left < soft { SOFT * left } else { (2.0 * a * (left - 0.5 * soft)).sqrt() }
+}

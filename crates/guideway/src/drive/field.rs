@@ -12,6 +12,10 @@ const REACH: f64 = 0.8;
 const BORDER: f64 = 0.03;
 /// Left of the room there is when the robot already stands nearer than its margin, m.
 const SPARE: f64 = 0.005;
+/// Room to movers above which they no longer count as near, m.
+pub(super) const WIDE: f64 = 0.8;
+/// Movers that are slower than this at most have margins that grow less, m/s.
+const SLOW: f64 = 0.3;
 /// Shortest step of a contact search, s.
 const LEAST: f64 = 0.01;
 
@@ -34,6 +38,20 @@ struct Near<'a> {
     speed: f64,
     keep: f64,
     growth: f64,
+    /// How much its nearness matters, 0 for what cannot move to 1.
+    lively: f64,
+}
+
+/// What movers mean for one place and time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around {
+    /// Smallest room, m, and the number of the mover.
+    pub room: f64,
+    pub id: usize,
+    /// Time for which none can be met, s.
+    pub safe: f64,
+    /// Nearness, 0 to 1.
+    pub close: f64,
 }
 
 impl Near<'_> {
@@ -84,7 +102,9 @@ impl<'a> Field<'a> {
             if away.is_nan() || away >= far {
                 return None;
             }
-            let mut near = Near { track, radius, speed, keep: 0.0, growth: margins.growth };
+            // What cannot move needs no growing margin.
+            let lively = (track.bound / SLOW).min(1.0);
+            let mut near = Near { track, radius, speed, keep: 0.0, growth: margins.growth * lively, lively };
             let gap = discs(body, seen.pose).map(|(c, r)| near.distance(c, 0.0) - r).fold(f64::INFINITY, f64::min);
             near.keep = (margins.moving + track.doubt).min(gap - 0.01).max(0.01);
             Some(near)
@@ -161,25 +181,24 @@ impl<'a> Field<'a> {
         best * side
     }
 
-    /// Smallest room to a mover at `pose` after `t` s, m, its number, and how long a robot whose points move at `v` cannot meet any, s.
+    /// Movers at constant velocity around `pose` after `t` s, for a robot whose points move at most at `v` m/s.
     #[inline]
-    pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> (f64, usize, f64) {
-        let mut least = (f64::INFINITY, usize::MAX, f64::INFINITY);
+    pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> Around {
+        let mut all = Around { room: f64::INFINITY, id: usize::MAX, safe: f64::INFINITY, close: 0.0 };
         if self.near.is_empty() {
-            return least;
+            return all;
         }
-        let (sin, cos) = if self.body.round() { (0.0, 1.0) } else { pose[2].sin_cos() };
-        for (c, r) in &self.body.discs {
-            let p = [pose[0] + cos * c[0] - sin * c[1], pose[1] + sin * c[0] + cos * c[1]];
+        for (p, r) in discs(self.body, pose) {
             for near in &self.near {
                 let gap = near.distance(p, t) - r - near.keep - near.growth * t;
-                least.2 = least.2.min(gap / (v + near.speed + near.growth).max(1e-6));
-                if gap < least.0 {
-                    (least.0, least.1) = (gap, near.track.id);
+                all.safe = all.safe.min(gap / (v + near.speed + near.growth).max(1e-6));
+                all.close = all.close.max(near.lively * (1.0 - gap / WIDE));
+                if gap < all.room {
+                    (all.room, all.id) = (gap, near.track.id);
                 }
             }
         }
-        least
+        all
     }
 
     /// Distance of the discs at `pose` to the nearest obstacle, movers `t` s from now at constant velocity, m, capped.
@@ -248,11 +267,11 @@ impl<'a> Field<'a> {
                 }
                 checked = if own > 0.0 { t + slack / own } else { f64::INFINITY };
             }
-            let (gap, id, safe) = self.movers(at, t, own);
-            if gap <= 0.0 {
-                return Some((t, Met::Mover(id)));
+            let around = self.movers(at, t, own);
+            if around.room <= 0.0 {
+                return Some((t, Met::Mover(around.id)));
             }
-            t += (checked - t).min(safe).max(LEAST);
+            t += (checked - t).min(around.safe).max(LEAST);
         }
         None
     }

@@ -104,7 +104,7 @@ impl Default for ImprovedDwa {
             lag_turn: 0.06,
             delay: 0.0,
             growth: 0.02,
-            beam: 10,
+            beam: 6,
             reverse: 0.3,
             trust: 0.2,
             patience: 6.0,

@@ -6,9 +6,12 @@
 use super::field::Met;
 use super::ways::{Predictor, Sim, Way};
 use crate::Point;
+use crate::world::shape::wrap;
 
-/// Plans whose ends are nearer than this, m, or speeds than that, m/s, are alike.
-const ALIKE: [f64; 2] = [0.25, 0.3];
+/// Plans whose ends are nearer than this (m), in heading (rad) and in speed (m/s) are alike; after the first level and later.
+const ALIKE: [[f64; 3]; 2] = [[0.04, 0.15, 0.12], [0.25, 0.6, 0.3]];
+/// So many times as many plans are kept after the first level.
+const WIDER: usize = 2;
 /// Rank of plans that meet something, and what each second until then is worth.
 const LOST: f64 = -1e3;
 const SECOND: f64 = 10.0;
@@ -110,7 +113,7 @@ impl Search<'_> {
                 }
             }
             ended.extend((from..nodes.len()).filter(|i| nodes[*i].lost));
-            open = self.keep(&nodes, from, level + 1 < self.levels.len());
+            open = self.keep(&nodes, from, level);
             if open.is_empty() {
                 break;
             }
@@ -139,21 +142,23 @@ impl Search<'_> {
     }
 
     /// The best plans whose ends are not alike.
-    fn keep(&self, nodes: &[Node], from: usize, more: bool) -> Vec<usize> {
+    fn keep(&self, nodes: &[Node], from: usize, level: usize) -> Vec<usize> {
         let mut open: Vec<usize> = (from..nodes.len()).filter(|i| !nodes[*i].lost).collect();
         open.sort_by(|a, b| nodes[*b].score.total_cmp(&nodes[*a].score).then(a.cmp(b)));
-        if !more {
+        if level + 1 == self.levels.len() {
             return open;
         }
-        let mut kept: Vec<usize> = Vec::with_capacity(self.beam);
+        let ([place, turn, speed], most) = if level == 0 { (ALIKE[0], WIDER * self.beam) } else { (ALIKE[1], self.beam) };
+        let mut kept: Vec<usize> = Vec::with_capacity(most);
         for i in open {
             let like = |j: &usize| {
                 let (a, b) = (&nodes[i].sim, &nodes[*j].sim);
-                (a.pose[0] - b.pose[0]).abs() < ALIKE[0] && (a.pose[1] - b.pose[1]).abs() < ALIKE[0] && (a.v - b.v).abs() < ALIKE[1]
+                let near = (a.pose[0] - b.pose[0]).abs() < place && (a.pose[1] - b.pose[1]).abs() < place;
+                near && (a.v - b.v).abs() < speed && wrap(a.pose[2] - b.pose[2]).abs() < turn
             };
             if !kept.iter().any(like) {
                 kept.push(i);
-                if kept.len() == self.beam {
+                if kept.len() == most {
                     break;
                 }
             }
@@ -165,11 +170,11 @@ impl Search<'_> {
     fn exposure(&self, node: &Node) -> f64 {
         let (mut t, end) = (node.t, node.t + EXPOSED);
         while t < end {
-            let (room, _, time) = self.predictor.field.movers(node.sim.pose, t, 0.0);
-            if room <= 0.0 {
+            let around = self.predictor.field.movers(node.sim.pose, t, 0.0);
+            if around.room <= 0.0 {
                 return 1.0 - (t - node.t) / EXPOSED;
             }
-            t += time.max(0.1);
+            t += around.safe.max(0.1);
         }
         0.0
     }

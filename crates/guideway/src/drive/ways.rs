@@ -1,6 +1,6 @@
 //! Manoeuvres, and what they lead to: predicted in (place, time) with the lags and limits of the base.
 
-use super::field::{Field, Met};
+use super::field::{Around, Field, Met, WIDE};
 use super::guard::lagged;
 use super::local::Local;
 use super::{Robot, arc};
@@ -83,8 +83,6 @@ pub(super) struct Predictor<'a> {
     pub lag: [f64; 2],
     /// Distance of the farthest point that turning moves, m.
     pub arm: f64,
-    /// Room to movers above which they no longer count as near, m.
-    pub wide: f64,
     /// Largest offset from the path that costs nothing more, m.
     pub limit: f64,
     /// Reaction time (s) and error (m) of the stops.
@@ -146,13 +144,13 @@ impl Predictor<'_> {
             }
             let own = sim.v.abs() + self.arm * sim.w.abs();
             if t >= safe {
-                let (room, id, time) = self.field.movers(sim.pose, t, self.robot.speed);
+                let Around { room, id, safe: time, close } = self.field.movers(sim.pose, t, self.robot.speed);
                 found.gap = found.gap.min(room);
                 if room <= 0.0 {
                     (found.contact, found.end, found.parked) = (Some((t, Met::Mover(id))), sim, own < STANDING);
                     return found;
                 }
-                found.near += h * (1.0 - room / self.wide).max(0.0);
+                found.near += h * close;
                 if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
                     && !self.stoppable(&sim, t)
                 {
@@ -160,7 +158,7 @@ impl Predictor<'_> {
                     return found;
                 }
                 // Until then nothing is near, whatever the robot does.
-                safe = t + if room > self.wide { time * (1.0 - self.wide / room) } else { 0.0 };
+                safe = t + if room > WIDE { time * (1.0 - WIDE / room) } else { 0.0 };
             }
             found.aside += h * self.local.relative(sim.mark, sim.pose)[1].abs().min(self.limit);
         }

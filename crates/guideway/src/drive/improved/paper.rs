@@ -124,16 +124,10 @@ impl Window {
         let line = |v: f64, w: f64| (0..=6).map(|i| arc(seen.pose, v, w, 0.5 * f64::from(i))).map(|p| [p[0], p[1]]).collect::<Vec<_>>();
         let every = all.len().div_ceil(12).max(1);
         self.sketch.fan = all.iter().step_by(every).map(|c| line(c.v, c.w)).collect();
-        match self.weights.best(&all) {
-            Some(c) => {
-                self.sketch.chosen = line(c.v, c.w);
-                Decision::Drive(Command { v: c.v, w: c.w })
-            }
-            None => {
-                self.sketch.chosen.clear();
-                Decision::Stop(why(met, seen))
-            }
-        }
+        self.sketch.chosen.clear();
+        let Some(c) = self.weights.best(&all) else { return Decision::Stop(why(met, seen)) };
+        self.sketch.chosen = line(c.v, c.w);
+        Decision::Drive(Command { v: c.v, w: c.w })
     }
 
     /// Brakes where obstacles are nearer than the safety distance; once slow, turns in place towards the sub-goal.

@@ -26,8 +26,6 @@ const SPEEDS: [f64; 3] = [0.0, 0.4, 0.9];
 const TURNS: [f64; 4] = [-0.9, -0.35, 0.35, 0.9];
 /// Time that the place of a stop must stay free beyond the horizon, s.
 const PARK: f64 = 2.5;
-/// Room to movers above which they no longer count as near, m.
-const WIDE: f64 = 0.8;
 /// Distance from the path beyond which it costs no more, m.
 const LIMIT: f64 = 2.0;
 /// The last metre counts so much more, m; what is left on the way there counts so much of what is left at its end.
@@ -165,7 +163,7 @@ impl Planning {
         let back = self.s.min(1.0);
         let local = Local::new(&guide.course, self.s - back, back + robot.speed * (self.p.horizon + 0.5) + 0.5);
         let stop = [hold + self.p.delay + SLOW, self.p.error + SPARE];
-        let predictor = Predictor { field: &field, local: &local, robot, lag, arm: self.arm, wide: WIDE, limit: LIMIT, stop };
+        let predictor = Predictor { field: &field, local: &local, robot, lag, arm: self.arm, limit: LIMIT, stop };
         let start = guard.ahead(self.p.delay);
         let mark = local.nearest((back / 0.05) as usize, [start.pose[0], start.pose[1]]);
         let start = Sim { pose: start.pose, v: start.v, w: start.w, mark };
@@ -225,7 +223,7 @@ impl Planning {
             if level == 0 { list.extend_from_slice(firsts) } else { self.later(&node.sim, list) }
         };
         let score = |node: &Node| self.weights.total(&self.candidate(node, predictor, (firsts[node.first], commands[node.first]), guide));
-        let left = |sim: &Sim| self.left(sim, predictor.local);
+        let left = |sim: &Sim| left(sim, predictor.local);
         search.run(start, &mut ways, &left, &score)
     }
 
@@ -259,15 +257,6 @@ impl Planning {
         }
     }
 
-    /// Distance to the goal that is left, m; the last bit counts more, so that it is worth driving.
-    fn left(&self, sim: &Sim, local: &Local) -> f64 {
-        let [s, lateral, _] = local.relative(sim.mark, sim.pose);
-        let mark = local.mark(sim.mark);
-        let off = if s < local.length { lateral.abs() } else { (sim.pose[0] - mark.point[0]).hypot(sim.pose[1] - mark.point[1]) };
-        let left = (local.length - s).max(0.0) + 0.7 * off;
-        left + LAST * left.min(1.0).sqrt()
-    }
-
     /// What the critics see of a plan.
     fn candidate(&self, node: &Node, predictor: &Predictor, (way, (v, w)): (Way, (f64, f64)), guide: &Guide) -> Candidate {
         let (sim, local) = (&node.sim, predictor.local);
@@ -282,7 +271,7 @@ impl Planning {
             target: [end[0], end[1]],
             along,
             dist: 0.0,
-            left: (self.left(sim, local) + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
+            left: (left(sim, local) + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
             aside: node.aside,
             close: node.near,
             exposed: node.exposed,
@@ -290,6 +279,15 @@ impl Planning {
             kept: self.last.side == Some(way.side()),
         }
     }
+}
+
+/// Distance to the goal that is left, m; the last bit counts more, so that it is worth driving.
+fn left(sim: &Sim, local: &Local) -> f64 {
+    let [s, lateral, _] = local.relative(sim.mark, sim.pose);
+    let mark = local.mark(sim.mark);
+    let off = if s < local.length { lateral.abs() } else { (sim.pose[0] - mark.point[0]).hypot(sim.pose[1] - mark.point[1]) };
+    let left = (local.length - s).max(0.0) + 0.7 * off;
+    left + LAST * left.min(1.0).sqrt()
 }
 
 /// Distance from the end pose, m.

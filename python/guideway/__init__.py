@@ -61,7 +61,7 @@ from guideway.errors import (
 from guideway.records import Box, Budget, Disc, Limits, Polygon, progress
 
 if TYPE_CHECKING:
-    from guideway import io, scenes, schemas, view
+    from guideway import io, plants, scenes, schemas, view
     from guideway.driving import drive
 
 __all__ = [
@@ -107,6 +107,7 @@ __all__ = [
     "pareto",
     "plan",
     "planners",
+    "plants",
     "polyline",
     "progress",
     "reference",
@@ -121,7 +122,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads the heavier parts when they are first used: a quick start matters on the command line."""
-    if name in ("io", "scenes", "schemas", "view"):
+    if name in ("io", "plants", "scenes", "schemas", "view"):
         return importlib.import_module(f"guideway.{name}")
     if name == "drive":
         from guideway.driving import drive

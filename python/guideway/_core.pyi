@@ -321,6 +321,7 @@ def drive(
     sense: str = "truth",
     lidar: Mapping[str, Any] | None = None,
     map: str = "known",
+    plant: object | None = None,
     observe: _Observer | None = None,
     trace: bool = False,
 ) -> dict[str, Any]: ...

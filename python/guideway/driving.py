@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from guideway import _core, jobs
+from guideway import _core, jobs, plants
 from guideway.errors import BadParameter
 from guideway.records import Limits
+
+if TYPE_CHECKING:
+    from guideway.plants import Plant
 
 
 @dataclass
@@ -28,6 +31,7 @@ class Drive:
     sense: str = "truth"
     lidar: dict[str, Any] = field(default_factory=dict)
     map: str = "known"
+    plant: str | Plant = "unicycle"
     observe: jobs.Observer | None = None
     trace: bool = False
 
@@ -46,6 +50,7 @@ def drive(
     sense: str = "truth",
     lidar: dict[str, Any] | None = None,
     map: str = "known",
+    plant: str | Plant = "unicycle",
     observe: jobs.Observer | None = None,
     trace: bool = False,
 ) -> dict[str, Any]:
@@ -55,16 +60,20 @@ def drive(
     (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute). ``sense`` is
     "truth" or "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise``
     in m, ``rate`` in Hz); with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to
-    plan the first motion in). With ``trace`` the record holds what reports show of single steps.
+    plan the first motion in). ``plant`` is what is driven, one of
+    :data:`guideway.plants.PLANTS` or an object of your own (:class:`guideway.plants.Plant`); what that raises is raised. With ``trace`` the record
+    holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
     asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit)
     asked.sense, asked.lidar, asked.map, asked.observe, asked.trace = sense, dict(lidar or {}), map, observe, trace
+    asked.plant = plant
     return run(asked)
 
 
 def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
     """Drives and returns the record. On Ctrl-C the record is that of the run so far, with ``cancelled`` true."""
+    plant = plants.make(drive.plant, drive.query, drive.trajectory, drive.seed)
     raw = _core.drive(
         drive.query,
         drive.trajectory,
@@ -78,10 +87,11 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         sense=drive.sense,
         lidar=drive.lidar or None,
         map=drive.map,
+        plant=plant,
         observe=drive.observe,
         trace=drive.trace,
     )
-    return record(drive, raw, folder)
+    return record(drive, raw, folder) | {"plant": plants.report_of(plant)}
 
 
 def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) -> dict[str, Any]:

@@ -9,6 +9,7 @@ mod motion;
 mod objective;
 mod path;
 mod plan;
+mod plant;
 mod query;
 mod refine;
 mod scurve;

@@ -4,6 +4,7 @@ use crate::convert::{from_python, table, to_python};
 use crate::errors::{OrPy, to_py};
 use crate::path::Path;
 use crate::plan::watched;
+use crate::plant::Called;
 use crate::query::Query;
 use guideway::context::{Budget, Context};
 use guideway::drive as core;
@@ -184,9 +185,10 @@ fn senses(py: Python<'_>, (sense, lidar): (&str, Option<&Bound<'_, PyDict>>), ma
     }
 }
 
-/// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`.
+/// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`. `plant` is
+/// an object with `observe()`, `step(v, w, dt)` and `motion()` (default: the unicycle); what it raises is raised.
 #[pyfunction]
-#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", observe=None, trace=false))]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", plant=None, observe=None, trace=false))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn drive<'py>(
     py: Python<'py>,
@@ -202,6 +204,7 @@ pub fn drive<'py>(
     sense: &str,
     lidar: Option<&Bound<'py, PyDict>>,
     map: &str,
+    plant: Option<&Bound<'py, PyAny>>,
     observe: Option<&Bound<'py, PyAny>>,
     trace: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -217,7 +220,14 @@ pub fn drive<'py>(
     (job.sense, job.map_known) = (sense, map_known);
     let setup = core::Setup { world: query.inner.world.clone(), robot: job.robot.clone(), clearance: query.inner.clearance };
     let mut controller = core::controller(controller, parameters, &setup).or_py(py)?;
-    let (result, raised) = watched(py, seed, Budget::default(), 1, observe, |ctx| core::execute(&job, controller.as_mut(), ctx))?;
+    let mut plant = plant.map(Called::new).transpose()?;
+    let (result, raised) = watched(py, seed, Budget::default(), 1, observe, |ctx| match &mut plant {
+        Some(plant) => core::execute_on(&job, controller.as_mut(), plant, ctx),
+        None => core::execute(&job, controller.as_mut(), ctx),
+    })?;
+    if let Some(error) = plant.and_then(Called::raised) {
+        return Err(error);
+    }
     let record = to_python(py, &result.or_py(py)?)?;
     match raised {
         Some(error) if !error.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py) => Err(error),

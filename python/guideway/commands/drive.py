@@ -7,7 +7,7 @@ import os
 import sys
 from typing import Any
 
-from guideway import _core, driving, jobs
+from guideway import _core, driving, jobs, plants
 from guideway.commands import options
 from guideway.errors import BadFile, BadParameter
 from guideway.io.types import Scene
@@ -18,7 +18,8 @@ EXAMPLES = """examples:
   guideway drive plan.json --movers people.toml --controller tracker
   guideway drive plan.json --movers people.csv --mover-radius 0.3 --sense lidar
   guideway drive --barn 7 --sense lidar --map none --report run.html
-  guideway drive dynabarn_worlds.json#3 --sense lidar"""
+  guideway drive dynabarn_worlds.json#3 --sense lidar
+  guideway drive room.toml --plant mujoco --plant-set height=0.5 --video room.gif"""
 
 
 def declare(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +37,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mover-radius", type=float, default=0.25, metavar="M", help="radius of the discs of a CSV, m (default 0.25)")
     parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), or lidar: simulated, and tracked")
     parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), or none but its bounds")
-    parser.add_argument("--plant", default="unicycle", metavar="NAME", help="what is driven: unicycle (default), with lags and noise")
+    parser.add_argument(
+        "--plant", default="unicycle", metavar="NAME", help="what is driven: unicycle (default), with lags and noise, or mujoco, simulated"
+    )
+    parser.add_argument("--plant-set", metavar="KEY=VALUE", action="append", default=[], help="a setting of the plant mujoco; may be repeated")
+    parser.add_argument("--video", metavar="FILE", help="a film (.gif) or a still picture (.png) of the plant mujoco in its room")
     parser.add_argument("--time-limit", type=float, metavar="S", help="longest run, s (default three times the planned duration and a minute)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default 0)")
     parser.add_argument("--out", metavar="FILE", help="the record as JSON")
@@ -53,22 +58,31 @@ def handle(arguments: argparse.Namespace) -> int:
         return 0
     _check(arguments)
     arguments.plan = _named(arguments)
-    options.writable(arguments.out, arguments.report, inputs=(arguments.plan, arguments.movers))
+    options.writable(arguments.out, arguments.report, arguments.video, inputs=(arguments.plan, arguments.movers))
     drive, plan = drive_of(arguments)
+    drive.plant = _plant(arguments, drive)
     with options.progress_bar() as drive.observe:
         record = driving.run(drive, options.folder_of(arguments.out))
     _deliver(arguments, record, plan, drive.query.world)
+    _film(arguments, drive.plant)
     if record["cancelled"]:
         return 130
     return 0 if record["outcome"] == "arrived" else 3
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    for name, known in (("sense", ("truth", "lidar")), ("map", ("known", "none")), ("plant", ("unicycle",))):
+    for name, known in (("sense", ("truth", "lidar")), ("map", ("known", "none"))):
         if getattr(arguments, name) not in known:
             raise BadParameter(f"--{name} {getattr(arguments, name)!r} is not available in this version: use {' or '.join(known)}")
     if arguments.map == "none" and arguments.sense != "lidar":
         raise BadParameter("--map none needs --sense lidar: a robot without a map must see what is there")
+    if arguments.plant not in plants.PLANTS:
+        raise BadParameter(f"--plant {arguments.plant!r} is not known: use {' or '.join(plants.PLANTS)}")
+    if arguments.video is not None:
+        if arguments.plant != "mujoco":
+            raise BadParameter("--video shows the plant mujoco: add --plant mujoco")
+        if not arguments.video.lower().endswith((".gif", ".png")):
+            raise BadParameter(f"--video {arguments.video!r} has no ending that is known: use .gif for a film, .png for a picture")
     options.positive("--time-limit", arguments.time_limit)
     options.positive("--mover-radius", arguments.mover_radius)
     options.count("--seed", arguments.seed)
@@ -86,6 +100,30 @@ def _named(arguments: argparse.Namespace) -> str:
     number = getattr(arguments, given[0])
     options.count(f"--{given[0]}", number)
     return f"{find_collection(given[0], arguments.worlds)}#{number}"
+
+
+def _plant(arguments: argparse.Namespace, drive: driving.Drive) -> str | plants.Plant:
+    """The plant that the words ask for."""
+    settings = dict(options.setting(text) for text in arguments.plant_set)
+    try:
+        return plants.make(arguments.plant, drive.query, drive.trajectory, drive.seed, settings) or arguments.plant
+    except ImportError as error:
+        raise BadParameter(str(error)) from error
+
+
+def _film(arguments: argparse.Namespace, plant: str | plants.Plant) -> None:
+    """Writes the film, or says why there is none: the run counts all the same."""
+    if arguments.video is None:
+        return
+    from guideway.plants import film
+
+    assert isinstance(plant, plants.MobileBase)
+    try:
+        film.save(plant, arguments.video)
+    except film.NoPicture as error:
+        options.note(f"no film: {error}")
+    else:
+        (options.note if arguments.json else print)(f"wrote        {os.fspath(arguments.video)}")
 
 
 def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, Any] | None]:

@@ -18,10 +18,35 @@ from .products import expand
 from .profile import plan_profile, run_profile
 from .scenery import Scenery, Snapshot, picture
 
-SCRIPTS = ("motion.js", "raster.js", "layers.js", "map.js", "plots.js", "search.js", "loop.js", "panel.js", "alternatives.js", "report.js")
-ROUNDED = {"polyline": 5, "raw_path": 5, "grid_path": 5, "driven": 5, "states": 4, "speed_ceiling": 5, "history": 6}
+SCRIPTS = (
+    "motion.js",
+    "raster.js",
+    "layers.js",
+    "map.js",
+    "plots.js",
+    "search.js",
+    "loop.js",
+    "replay.js",
+    "panel.js",
+    "alternatives.js",
+    "report.js",
+)
+ROUNDED = {
+    "polyline": 5,
+    "raw_path": 5,
+    "grid_path": 5,
+    "driven": 5,
+    "states": 4,
+    "speed_ceiling": 5,
+    "history": 6,
+    "ranges": 2,
+    "fan": 3,
+    "chosen": 3,
+}
 """Long tables and the decimals that a picture needs of them."""
 MOST_HISTORY = 800
+MOST_NUMBERS = 250_000
+"""Most numbers of the steps of a drive; beyond, every second or third step is left out."""
 
 Worlds = Scenery | Sequence[Scenery | None] | None
 
@@ -123,7 +148,18 @@ def slim(result: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(search, Mapping) and isinstance(search.get("history"), list) and len(search["history"]) > MOST_HISTORY:
         step = -(-len(search["history"]) // MOST_HISTORY)
         out["search"] = dict(search) | {"history": search["history"][::step] + search["history"][-1:]}
+    trace = out.get("trace")
+    if isinstance(trace, Mapping) and isinstance(trace.get("steps"), list):
+        step = max(1, -(-count(trace["steps"]) // MOST_NUMBERS))
+        out["trace"] = dict(trace) | {"steps": trace["steps"][::step]}
     return out
+
+
+def count(value: Any) -> int:
+    """How many numbers and words there are in plain data."""
+    if isinstance(value, Mapping):
+        return sum(count(item) for item in value.values())
+    return sum(count(item) for item in value) if isinstance(value, list | tuple) else 1
 
 
 def clean(value: Any, digits: int | None = None) -> Any:

@@ -131,7 +131,7 @@ pub fn execute_on(job: &Job, controller: &mut dyn Controller, plant: &mut dyn Pl
         if t >= limit {
             break Outcome::Timeout;
         }
-        if ctx.poll().is_some() {
+        if ctx.poll().is_some() || plant.failed() {
             drive.cancelled = true;
             drive.event(t, "cancel", "cancelled by the caller or by the budget");
             break Outcome::Timeout;

@@ -202,6 +202,10 @@ pub trait Plant {
     fn step(&mut self, u: Command, dt: f64);
     /// The true state, for judging a run.
     fn motion(&self) -> Motion;
+    /// It cannot go on; the run ends as if the caller had cancelled it.
+    fn failed(&self) -> bool {
+        false
+    }
 }
 
 /// The pose after moving with constant `v` (m/s) and `w` (rad/s) for `t` s: the exact arc, a line below 1e-6 rad/s.

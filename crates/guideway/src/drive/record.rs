@@ -75,6 +75,9 @@ pub struct Separation {
     pub movers: Option<f64>,
 }
 
+/// Classes of [`Percentiles::counts`].
+const CLASSES: usize = 24;
+
 /// Distribution of the time of a control step, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Percentiles {
@@ -86,6 +89,8 @@ pub struct Percentiles {
     pub p95: f64,
     /// 99th percentile.
     pub p99: f64,
+    /// How many times fell into each of 24 classes, four a decade from 1 us on; what is shorter or longer is in the first or last one.
+    pub counts: [u32; CLASSES],
 }
 
 /// How well the plan was followed (metrics, sections 1.3, 2 and 2.1). Distances are to the path in force at the time.
@@ -165,7 +170,12 @@ impl Percentiles {
         }
         all.sort_by(f64::total_cmp);
         let at = |q: f64| all[((all.len() - 1) as f64 * q).round() as usize];
-        Self { mean: all.iter().sum::<f64>() / all.len() as f64, p50: at(0.5), p95: at(0.95), p99: at(0.99) }
+        let mut counts = [0; CLASSES];
+        for t in &all {
+            let class = (4.0 * (t.max(1e-9).log10() + 6.0)).floor();
+            counts[(class.max(0.0) as usize).min(CLASSES - 1)] += 1;
+        }
+        Self { mean: all.iter().sum::<f64>() / all.len() as f64, p50: at(0.5), p95: at(0.95), p99: at(0.99), counts }
     }
 }
 

@@ -33,6 +33,8 @@ pub struct StepRow {
     pub v: f64,
     /// rad/s.
     pub w: f64,
+    /// Speed (m/s) and turn rate (rad/s) that were commanded.
+    pub command: [f64; 2],
     /// Angles against the heading (rad) of the first and from ray to ray, of those kept in `ranges`.
     pub rays: Option<[f64; 2]>,
     /// Some of the ranges of the newest scan, m; `None` (null) where nothing was within range or measured.
@@ -117,6 +119,7 @@ fn row(seen: &Observation, step: &Step, pilot: &Pilot) -> StepRow {
         pose: seen.pose.map(short),
         v: short(seen.v),
         w: short(seen.w),
+        command: [short(step.command.v), short(step.command.w)],
         rays,
         ranges,
         tracks: seen

@@ -13,6 +13,12 @@ const LAYERS = [
   { id: "points", name: "Its points", on: false },
   { id: "swept", name: "Swept footprint", on: true },
   { id: "driven", name: "Driven path", on: true },
+  { id: "plans", name: "Plan in force, former plans", on: true },
+  { id: "scan", name: "Lidar points", on: true },
+  { id: "tracks", name: "Tracked obstacles", on: true },
+  { id: "reach", name: "Reachable before rest", on: true },
+  { id: "fan", name: "Candidates, chosen", on: true },
+  { id: "heading", name: "Sub-goal", on: true },
   { id: "robot", name: "Robot", on: true },
   { id: "movers", name: "Moving obstacles", on: true },
   { id: "stops", name: "Start, goal, via", on: true },
@@ -25,6 +31,8 @@ const STYLE = {
   alternative: { dash: [], width: 3 },
   planned: { dash: [7, 5], width: 1.6 },
   driven: { dash: [], width: 2.2 },
+  former: { dash: [2, 5], width: 1.6 },
+  chosen: { dash: [], width: 2.6 },
 };
 
 /** Strokes a line of rows [x, y], leaving out points closer than 0.6 pixels to the last one drawn. */

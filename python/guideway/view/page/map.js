@@ -3,7 +3,7 @@
 const colours = () => {
   const style = getComputedStyle(document.documentElement);
   const named = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "near", "far", "mover", "grid", "halo", "accent", "bad", "scent-0", "scent-1", "scent-2", "scent-3", "scent-4"];
+  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "near", "far", "mover", "grid", "halo", "accent", "good", "bad", "scent-0", "scent-1", "scent-2", "scent-3", "scent-4"];
   return Object.fromEntries(names.map((name) => [name, named(name)]));
 };
 
@@ -71,6 +71,7 @@ function makeMap(canvas, scene, events) {
     pen.setTransform(view.ratio, 0, 0, view.ratio, 0, 0);
     const { layers } = now;
     if (layers.movers) for (const entry of now.entries) drawMovers(pen, view, entry.movers, Math.min(now.t, entry.motion.duration), colour.mover);
+    for (const entry of now.entries.filter((e) => e.active && e.replay)) drawReplay(pen, view, entry, clamp(now.ghost === null ? now.t : now.ghost, 0, entry.motion.duration), layers, colour);
     if (now.alternative) drawPath(pen, view, now.alternative, STYLE.alternative, colour.mover, colour.halo);
     if (now.ghost !== null) drawGhost(now);
     if (layers.robot) {

@@ -70,7 +70,7 @@ function tableOf(values, known, skip = []) {
   const units = kept.some(([key, value]) => finite(value) && known[key] && known[key][1]);
   const rows = kept.map(([key, value]) => {
     const [label, unit] = known[key] || [capital(words(key)), ""];
-    if (finite(value)) return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, [METRICS, RUN_NAMES, STEP_NAMES].includes(known) && !Number.isInteger(value) ? exact(value) : plain(value)), units ? make("td", { class: "u" }, unit) : null);
+    if (finite(value)) return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "n" }, [METRICS, RUN_NAMES, STEP_NAMES, PLANT_NAMES].includes(known) && !Number.isInteger(value) ? exact(value) : plain(value)), units ? make("td", { class: "u" }, unit) : null);
     const text = /^[0-9a-f]{40,}$/.test(value) ? `${value.slice(0, 12)}\u2026` : value === null ? (known === LIMITS ? "no limit" : "\u2013") : plain(value);
     return make("tr", {}, make("th", { scope: "row" }, label), make("td", { class: "w", colspan: units ? 2 : 1, title: typeof value === "string" ? value : null }, text));
   });
@@ -199,12 +199,16 @@ function candidateTable(data) {
   return make("div", { class: "scroll" }, make("table", { class: "versus" }, make("thead", {}, head), make("tbody", {}, ...body)));
 }
 
-const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters", "collision", "cancelled", "min_separation"];
+const RUN_TABLES = ["outcome", "time", "driven", "movers", "events", "query", "robot", "obstacles", "warnings", "unmet", "world", "guideway", "schema", "label", "polyline", "raw_path", "path", "trajectory", "plan", "commands", "step_seconds", "parameters", "collision", "cancelled", "min_separation", "trace", "plant", "plan_seconds"];
 const RUN_NAMES = {
   "separation static": ["Least distance to the building", "m"], "separation movers": ["Least distance to movers", "m"], "tracking tte": ["Off the path, root mean square", "m"], "tracking path_error": ["Off the path, mean", "m"],
   "tracking worst": ["Off the path, at most", "m"], "tracking tpe": ["Distance to the goal at the end", "m"], "tracking length": ["Driven length", "m"], "tracking length_deviation": ["Driven length against plan", "m"], "tracking ts": ["Turning per length", "\u00b0/m"],
   "tracking ssf": ["Speed steps", ""], "tracking asf": ["Acceleration steps", ""], "tracking stopped": ["Time at rest on the way", "s"], "energy ttec": ["Energy per length", "J/m"], "energy moec": ["Energy of the drive", "W h"],
   min_separation: ["Least distance to an obstacle", "m"], replans: ["Replans", ""], emergency_stops: ["Emergency stops", ""], energy: ["Energy", "J"], driven_length: ["Driven length", "m"] };
+const PLANT_NAMES = {
+  name: ["Plant", ""], simulator: ["Simulator", ""], mass: ["Mass", "kg"], height: ["Centre of gravity above the floor", "m"], "tilt max": ["Tilt, at most", "\u00b0"], "tilt mean": ["Tilt, mean", "\u00b0"],
+  "tilt rms": ["Tilt, root mean square", "\u00b0"], "tilt psi": ["Posture stability index", "%"], "tilt ms": ["Motion stability, mean", "%"], "slip rms": ["Slip along, root mean square", "m/s"], "slip max": ["Slip along, at most", "m/s"],
+  "slip lateral_rms": ["Slip across, root mean square", "m/s"], "slip lateral_max": ["Slip across, at most", "m/s"], contacts: ["Contacts with obstacles", ""], "energy work": ["Put into the wheels", "J"], "energy braked": ["Braked away by the wheels", "J"] };
 const STEP_NAMES = { mean: ["Mean", "ms"], p50: ["Half within", "ms"], p95: ["95 % within", "ms"], p99: ["99 % within", "ms"], max: ["Longest", "ms"] };
 
 const flat = (values, head = "") => Object.assign({}, ...Object.entries(record(values)).map(([key, value]) => (value && typeof value === "object" && !Array.isArray(value) ? flat(value, `${head}${key} `) : { [`${head}${key}`]: value })));
@@ -223,11 +227,22 @@ const factBlocks = ({ data }) => [
   block("Against the optimum", referenceTable(data)),
 ];
 
+/** What a plant measured, without rows and shapes. */
+function plantFigures(data) {
+  const plant = record(data.plant);
+  const kept = Object.entries(plant).filter(([key, value]) => key !== "body" && !Array.isArray(value));
+  return kept.length > 1 ? Object.fromEntries(kept.map(([key, value]) => [key, key === "tilt" ? { ...record(value), rows: [] } : value])) : {};
+}
+
 /** Tables of a drive: figures, events, time of a control step. */
 function runBlocks({ data }, seek, skip) {
   const figures = Object.fromEntries(Object.entries(data).filter(([key]) => !RUN_TABLES.includes(key) && !skip.includes(key)));
-  const steps = Object.fromEntries(Object.entries(record(data.step_seconds)).map(([key, value]) => [key, finite(value) ? 1000 * value : value]));
-  return [block("Drive", tableOf(flat(figures), RUN_NAMES)), block("Events", eventList(data.events, seek)), block("Time of one control step", tableOf(steps, STEP_NAMES))];
+  const times = (values) => tableOf(Object.fromEntries(Object.entries(record(values)).filter(([, value]) => finite(value)).map(([key, value]) => [key, 1000 * value])), STEP_NAMES);
+  const timed = (title, values) => (record(values).counts && !histogram(values, title) ? null : block(title, histogram(values, title), times(values)));
+  return [
+    block("Drive", tableOf(flat(figures), RUN_NAMES)), block("Measured by the plant", tableOf(flat(plantFigures(data)), PLANT_NAMES)), block("Events", eventList(data.events, seek)),
+    timed("Time of one control step", data.step_seconds), timed("Time of one new plan", data.plan_seconds),
+  ];
 }
 
 function fillDetails(host, entry, partner, { seek, shown, breed }) {

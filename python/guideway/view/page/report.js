@@ -24,7 +24,7 @@ function makeEntry(source, index) {
     rows: run ? motion.rows.map((row) => [row[1], row[2]]) : pointsOf(data.polyline),
     raw: pointsOf(list(data.raw_path).length ? data.raw_path : data.grid_path), optimum: pointsOf(record(data.reference).path),
     scent: scentOf(data), crowd: crowdOf(data), generations: generationsOf(data), classes: classesOf(data), tree: treeOf(data),
-    planned: run ? pointsOf(record(data.plan).polyline) : [], movers: list(data.movers).map(record).map(makeMover), stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
+    planned: run ? pointsOf(record(data.plan).polyline) : [], movers: list(data.movers).map(record).map(makeMover), replay: run ? replayOf(data) : null, stops: stops.filter(([point]) => pointsOf([point]).length), curves: null,
   };
 }
 
@@ -154,7 +154,16 @@ function setTime(t) {
   slider.style.setProperty("--done", `${end > 0 ? (100 * state.t) / end : 0}%`);
   byId("clock").replaceChildren(make("b", {}, state.t.toFixed(2)), ` / ${end.toFixed(2)} ${unit()}`);
   plots.move(state.t, state.ghost);
+  sayState();
   map.ask();
+}
+
+/** Why the robot stops, or that it has a new plan, over the map. */
+function sayState() {
+  const entry = current();
+  const said = entry && entry.replay ? stateWords(entry.replay, Math.min(state.t, entry.motion.duration)) : null;
+  byId("now").hidden = !said;
+  if (said) [byId("now").textContent, byId("now").className] = [said[0], `now ${said[1]}`];
 }
 
 function seek(t) {
@@ -180,7 +189,7 @@ function play(on) {
   requestAnimationFrame(tick);
 }
 
-const EVENT_KINDS = [["collision", /collision|collide/], ["replan", /replan/], ["stop", /stop|brake|no-plan/], ["go", /^go$/], ["turn", /turn/]];
+const EVENT_KINDS = [["collision", /collision|collide/], ["replan", /replan/], ["stop", /stop|brake|no-plan|blocked|blind/], ["goal", /goal|dear|tabu|expired|appeared/], ["go", /^go$/], ["turn", /turn/]];
 
 function fillMarks() {
   const end = duration();
@@ -206,6 +215,7 @@ function curvesOf(entry) {
   return entry.curves;
 }
 
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 const limitLines = (values) => values.filter(([value]) => finite(value)).map(([y, name]) => ({ y, name }));
 
 function plotSpecs() {
@@ -217,19 +227,23 @@ function plotSpecs() {
   const ceiling = entry.curves && entry.curves.ceiling && entry.curves.ceiling.x.length ? [{ ...entry.curves.ceiling, ceiling: true }] : [];
   const nearby = collect("separation", true);
   const wanted = number(record(entry.data.query).clearance);
+  const asked = (k) => (entry.replay && commandCurve(entry.replay, k).x.length ? [{ ...commandCurve(entry.replay, k), bold: false, dash: [3, 3], colour: () => css("soft") }] : []);
+  const [pitch, roll] = tiltCurves(entry.data);
   const specs = [
-    { title: "Speed", unit: "m/s", series: collect("speed", true), lines: limitLines([[limits.speed, "limit"]]) },
+    { title: "Speed", unit: "m/s", series: [...asked(0), ...collect("speed", true)], lines: limitLines([[limits.speed, "limit"]]) },
     { title: "Acceleration", unit: "m/s\u00b2", signed: true, series: collect("acceleration"), lines: limitLines([[limits.acceleration, "limits"], [finite(limits.deceleration) ? -limits.deceleration : null, "limits"]]) },
     { title: "Jerk", unit: "m/s\u00b3", signed: true, series: collect("jerk"), lines: limitLines([[limits.jerk, "limits"], [finite(limits.jerk) ? -limits.jerk : null, "limits"]]) },
     { title: "Curvature", unit: "1/m", signed: true, series: collect("curvature"), lines: [] },
-    { title: "Turn rate", unit: "rad/s", signed: true, series: collect("turnRate"), lines: limitLines([[limits.turn_rate, "limits"], [finite(limits.turn_rate) ? -limits.turn_rate : null, "limits"]]) },
+    { title: "Turn rate", unit: "rad/s", signed: true, series: [...asked(1), ...collect("turnRate")], lines: limitLines([[limits.turn_rate, "limits"], [finite(limits.turn_rate) ? -limits.turn_rate : null, "limits"]]) },
     { title: "Clearance", unit: "m", series: collect("clearance", true), lines: limitLines([[wanted > 0 ? wanted : null, "asked for"]]) },
     { title: "Distance to movers", unit: "m", series: nearby, lines: [] },
+    { title: "Tilt", unit: "\u00b0", signed: true, series: pitch.x.length ? [{ ...pitch, bold: true, colour: () => entryColour(entry.index) }, { ...roll, bold: true, dash: [4, 3], colour: () => css("mover") }] : [], lines: [{ y: NaN, name: "pitch, dashed: roll" }] },
   ].filter((spec) => spec.series.length && spec.series.some((series) => series.bold || series.lead || spec.title === "Speed"));
   if (specs.length && specs[0].title === "Speed" && ceiling.length) {
     specs[0].series = [...ceiling, ...specs[0].series];
     specs[0].lines.push({ y: NaN, name: "shaded: ceiling" });
   }
+  for (const spec of specs.filter((one) => ["Speed", "Turn rate"].includes(one.title) && one.series.some((series) => series.dash))) spec.lines.push({ y: NaN, name: "dashed: commanded" });
   return specs;
 }
 
@@ -240,6 +254,7 @@ function hasLayer(id) {
   const tests = {
     shade: () => some((e) => e.world && e.world.shade), scent: () => some((e) => e.scent), crowd: () => some((e) => e.crowd.length || e.generations.length), classes: () => some((e) => e.classes.length), tree: () => some((e) => e.tree.length), raw: () => some((e) => e.raw.length > 1), optimum: () => some((e) => e.optimum.length > 1), final: () => some((e) => (e.kind === "plan" ? e.rows : e.planned).length > 1),
     points: () => some((e) => e.rows.length > 1), swept: () => some((e) => radiusOf(e.footprint) > 0), driven: () => some((e) => e.kind === "run"), robot: () => some((e) => e.rows.length),
+    ...Object.fromEntries(["plans", "scan", "tracks", "reach", "fan", "heading"].map((name) => [name, () => some((e) => e.replay && e.replay.has[name])])),
     movers: () => some((e) => e.movers.length), stops: () => some((e) => e.stops.length), grid: () => true,
   };
   return tests[id]();
@@ -258,6 +273,11 @@ function swatch(id) {
     crowd: () => drawing("path", { d: "M1 10C9 10 10 2 25 2M1 10C12 11 16 7 25 2M1 10C5 3 12 1 25 2", fill: "none", stroke: "var(--ink)", "stroke-width": 1.1, opacity: 0.6 }), grid: () => drawing("path", { d: "M8 0V12M18 0V12M2 3H24M2 9H24", stroke: "var(--faint)", "stroke-width": 1, fill: "none" }),
     raw: () => line(STYLE.raw, "var(--soft)"), optimum: () => line(STYLE.optimum, "var(--ink)"), final: () => (entries.some((e) => e.kind === "plan") ? line(STYLE.final, planColour()) : line(STYLE.planned, "var(--soft)")), driven: () => line(STYLE.driven, runColour()),
     points: () => drawing("path", { d: "M2 4h4v4H2zM11 4h4v4H11zM20 4h4v4H20z", fill: planColour() }), swept: () => box({ fill: own, "fill-opacity": 0.2 }),
+    plans: () => line(STYLE.planned, "var(--ink)"), scan: () => drawing("path", { d: "M3 8h3v3H3zM8 4h3v3H8zM13 2h3v3h-3zM18 3h3v3h-3z", fill: "var(--bad)" }),
+    tracks: () => drawing("path", { d: "M3 6a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0M8 6H23L20 3.6M23 6L20 8.4", fill: "none", stroke: "var(--ink)", "stroke-width": 1.3 }),
+    reach: () => drawing("circle", { cx: 13, cy: 6, r: 6, fill: "var(--mover)", "fill-opacity": 0.15, stroke: "var(--mover)", "stroke-dasharray": "2 2" }),
+    fan: () => drawing("g", {}, drawing("path", { d: "M2 6C10 6 16 2 24 0M2 6C10 6 16 10 24 12", fill: "none", stroke: "var(--soft)", "stroke-width": 1 }), drawing("path", { d: "M2 6H24", stroke: "var(--good)", "stroke-width": 2.4 })),
+    heading: () => drawing("g", {}, drawing("circle", { cx: 13, cy: 6, r: 5, fill: "none", stroke: runColour(), "stroke-width": 1.8 }), drawing("circle", { cx: 13, cy: 6, r: 1.8, fill: runColour() })),
     robot: () => drawing("path", { d: "M21 6L7 12L10 6L7 0Z", fill: own }), movers: () => box({ fill: "var(--mover)", "fill-opacity": 0.3, stroke: "var(--mover)", "stroke-width": 1.6 }),
     stops: () => drawing("path", { d: "M13 12C12 9 8 8 8 4.6A5 4.6 0 0 1 18 4.6C18 8 14 9 13 12Z", fill: "var(--ink)" }),
   };

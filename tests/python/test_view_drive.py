@@ -121,7 +121,8 @@ def markup(address: str, folder: Path) -> tuple[str, str]:
     """The page as a browser leaves it, and what it complained about."""
     command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000", "--dump-dom"]
     done = subprocess.run([*command, f"--user-data-dir={folder / 'profile'}", address], capture_output=True, text=True, timeout=120)
-    return done.stdout, "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
+    drawn = re.sub(r"<script.*?</script>|<style.*?</style>", "", done.stdout, flags=re.S)  # what the program says is not what it shows
+    return drawn, "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
 
 
 @pytest.fixture(scope="module")

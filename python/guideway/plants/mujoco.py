@@ -15,6 +15,7 @@ from guideway.plants import base, room
 from guideway.plants.measures import Gauge
 from guideway.plants.movers import Stage, position
 from guideway.plants.settings import Settings
+from guideway.records import Limits
 
 FRAMES = 25.0
 """States kept for pictures, per second of the run."""
@@ -37,15 +38,24 @@ class MobileBase:
     """A differential base on springs that drives a motion of :func:`guideway.drive` in a room made from the query's world.
 
     Discs are cylinders, polygons prisms, blocked cells boxes, movers bodies that follow their motion whatever they meet. The border of the world is a
-    line on the floor. ``query`` gives world, footprint and start heading, ``trajectory`` the start and the limits.
+    line on the floor. ``query`` gives world, footprint and start heading, ``trajectory`` the start and, unless ``limits`` does, what the servos may
+    do.
     """
 
     name = "mujoco"
 
-    def __init__(self, query: _core.Query, trajectory: _core.Trajectory, *, seed: int = 0, settings: Settings | None = None) -> None:
+    def __init__(
+        self,
+        query: _core.Query,
+        trajectory: _core.Trajectory,
+        *,
+        seed: int = 0,
+        settings: Settings | None = None,
+        limits: Limits | None = None,
+    ) -> None:
         self.settings = settings or Settings()
         self.simulator = self._mj = simulator()
-        self._limits = trajectory.limits
+        self._limits: dict[str, Any] = trajectory.limits if limits is None else limits.to_dict()
         self._shape = base.Shape.of(query.footprint, self.settings.point)
         self._layout = base.Layout.of(self._shape, self.settings)
         self.bounds = tuple(query.world.bounds)

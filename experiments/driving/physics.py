@@ -1,0 +1,170 @@
+"""Jerk-limited motions beside trapezoidal ones of the same path, driven by a base simulated in MuJoCo: tilt, slip, contacts, tracking, energy.
+
+python experiments/driving/physics.py [--seeds 10] [--heights 0.2 0.3] [--docs]
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "colonies"))
+import tables
+
+import guideway as gw
+from guideway.plants import MobileBase, Settings, film
+
+Row = dict[str, Any]
+ROOMS = ("w0", "layouts")
+"""The room of the source, and random layouts of it, one a seed."""
+MOTIONS = ("A-I-DE", "trapezoid", "trapezoid, as slow")
+"""As planned; without a limit of jerk on the same path; the same with the acceleration that makes it last as long as the first."""
+MEASURES = {
+    "time": ("time s", 2),
+    "tilt_max": ("tilt max deg", 2),
+    "tilt_mean": ("mean deg", 2),
+    "tilt_rms": ("RMS deg", 2),
+    "psi": ("PSI %", 1),
+    "ms": ("Ms %", 1),
+    "tte": ("TTE cm", 2),
+    "tpe": ("TPE cm", 2),
+    "slip_rms": ("slip RMS cm/s", 1),
+    "slip_max": ("max cm/s", 1),
+    "work": ("wheel work J", 0),
+    "ttec": ("TTEC J/m", 1),
+}
+TESTED = ("tilt_max", "tilt_rms", "tte", "slip_max", "work")
+PICTURE = Path(__file__).resolve().parents[2] / "docs/pictures/mujoco-room.png"
+
+
+def motions(found: gw.Solution, limits: gw.Limits) -> dict[str, gw.Trajectory]:
+    """The three motions of a plan."""
+    own = found.trajectory
+    assert own is not None
+    low, high = 0.1, limits.acceleration
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        slow = gw.time(found.path, replace(limits, acceleration=middle, deceleration=middle), method="trapezoid")
+        low, high = (middle, high) if slow.duration > own.duration else (low, middle)
+    gentle = gw.time(found.path, replace(limits, acceleration=high, deceleration=high), method="trapezoid")
+    return dict(zip(MOTIONS, (own, gw.time(found.path, limits, method="trapezoid"), gentle), strict=True))
+
+
+def driven(query: gw.Query, motion: gw.Trajectory, seed: int, height: float, limits: gw.Limits) -> Row:
+    """A drive and what was measured of it. The plant has the limits of the robot, whatever those of the motion."""
+    plant = MobileBase(query, motion, seed=seed, settings=Settings(height=height), limits=limits)
+    run = gw.drive(query, motion, "tracker", seed=seed, plant=plant, time_limit=30.0)
+    found = run["plant"]
+    return {
+        "outcome": run["outcome"],
+        "contacts": found["contacts"],
+        "planned": motion.duration,
+        "time": run["time"],
+        "tte": 100 * run["tracking"]["tte"],
+        "tpe": 100 * run["tracking"]["tpe"],
+        "ttec": run["energy"]["ttec"],
+        "work": found["energy"]["work"],
+        "slip_rms": 100 * found["slip"]["rms"],
+        "slip_max": 100 * found["slip"]["max"],
+        "psi": found["tilt"]["psi"],
+        "ms": found["tilt"]["ms"],
+        **{f"tilt_{key}": found["tilt"][key] for key in ("max", "mean", "rms")},
+    }
+
+
+def collect(seeds: int, heights: Iterable[float]) -> list[Row]:
+    """All drives, a row each."""
+    rows = []
+    for room in tqdm(ROOMS, desc="rooms", disable=None):
+        for seed in tqdm(range(seeds), desc=room, leave=False, disable=None):
+            scene = gw.scenes.layout(seed) if room == "layouts" else gw.scenes.load("w0", seed)
+            query = scene.query("static")
+            found = gw.plan(query, "aide", seed=seed)
+            for name, motion in motions(found, scene.limits).items():
+                for height in heights:
+                    row = driven(query, motion, seed, height, scene.limits)
+                    rows.append({"room": room, "height": height, "motion": name, "seed": seed} | row)
+    return rows
+
+
+def table(rows: list[Row], heights: Iterable[float]) -> str:
+    """Means with the half-widths of their 95 % intervals."""
+    lines = []
+    for room in ROOMS:
+        for height in heights:
+            for name in MOTIONS:
+                own = [row for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)]
+                arrived = sum(row["outcome"] == "arrived" for row in own)
+                touched = sum(row["contacts"] > 0 for row in own)
+                cells = []
+                for key, (_, digits) in MEASURES.items():
+                    mean, half = tables.interval([row[key] for row in own])
+                    cells.append(f"{mean:.{digits}f} ± {half:.{digits}f}")
+                planned = np.mean([row["planned"] for row in own])
+                lines.append([f"`{room}`", f"{height:g}", name, f"{arrived}/{len(own)}", f"{touched}", f"{planned:.2f}", *cells])
+    head = ["room", "c. of g. m", "motion", "arrived", "touched", "planned s", *(words for words, _ in MEASURES.values())]
+    return tables.markdown(head, lines)
+
+
+def comparisons(rows: list[Row], heights: Iterable[float]) -> str:
+    """Each trapezoid against A-I-DE on the same path, seed by seed."""
+    pairs, ps = [], []
+    for room in ROOMS:
+        for height in heights:
+            for other in MOTIONS[1:]:
+                for key in TESTED:
+                    one, two = (
+                        [row[key] for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)]
+                        for name in (MOTIONS[0], other)
+                    )
+                    pairs.append([f"`{room}`", f"{height:g}", other, MEASURES[key][0], f"{tables.a12(one, two):.2f}"])
+                    ps.append(tables.signed_rank(one, two))
+    lines = [[*pair, f"{p:.2g}"] for pair, p in zip(pairs, tables.holm(ps), strict=True)]
+    return tables.markdown(["room", "c. of g. m", "A-I-DE against", "measure", "A12", "p after Holm"], lines)
+
+
+def picture() -> str:
+    """The room with a drive of A-I-DE."""
+    scene = gw.scenes.load("w0")
+    query = scene.query("static")
+    motion = gw.plan(query, "aide", seed=0).trajectory
+    assert motion is not None
+    plant = MobileBase(query, motion)
+    gw.drive(query, motion, "tracker", plant=plant)
+    try:
+        film.save(plant, PICTURE, size=(1000, 625))
+    except film.NoPicture as error:
+        return f"no picture: {error}"
+    return f"wrote {PICTURE}"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10, help="seeds (%(default)s)")
+    parser.add_argument("--heights", type=float, nargs="+", default=[0.2, 0.3], help="heights of the centre of gravity, m (%(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("experiments/results/driving"), help="folder of tables (%(default)s)")
+    parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md, and the picture beside them")
+    given = parser.parse_args()
+    rows = collect(given.seeds, given.heights)
+    given.out.mkdir(parents=True, exist_ok=True)
+    tables.write_csv(given.out / "physics.csv", rows)
+    text = (
+        table(rows, given.heights)
+        + "\nA-I-DE beside the others on the same paths and seeds (A12 above 0.5: the other has the larger values; Wilcoxon signed ranks):\n\n"
+        + comparisons(rows, given.heights)
+    )
+    words = f"--seeds {given.seeds} --heights {' '.join(f'{h:g}' for h in given.heights)} --docs"
+    tables.publish("physics", f"python experiments/driving/physics.py {words}", text, given.out, given.docs)
+    if given.docs:
+        print(picture())
+
+
+if __name__ == "__main__":
+    main()

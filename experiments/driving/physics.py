@@ -66,6 +66,7 @@ def driven(query: gw.Query, motion: gw.Trajectory, seed: int, height: float, lim
         "outcome": run["outcome"],
         "contacts": found["contacts"],
         "planned": motion.duration,
+        "peak": float(np.abs(motion.sample(200.0)[:, 5]).max()),
         "time": run["time"],
         "tte": 100 * run["tracking"]["tte"],
         "tpe": 100 * run["tracking"]["tpe"],
@@ -107,9 +108,9 @@ def table(rows: list[Row], heights: Iterable[float]) -> str:
                 for key, (_, digits) in MEASURES.items():
                     mean, half = tables.interval([row[key] for row in own])
                     cells.append(f"{mean:.{digits}f} ± {half:.{digits}f}")
-                planned = np.mean([row["planned"] for row in own])
-                lines.append([f"`{room}`", f"{height:g}", name, f"{arrived}/{len(own)}", f"{touched}", f"{planned:.2f}", *cells])
-    head = ["room", "c. of g. m", "motion", "arrived", "touched", "planned s", *(words for words, _ in MEASURES.values())]
+                planned, peak = (np.mean([row[key] for row in own]) for key in ("planned", "peak"))
+                lines.append([f"`{room}`", f"{height:g}", name, f"{arrived}/{len(own)}", f"{touched}", f"{planned:.2f}", f"{peak:.2f}", *cells])
+    head = ["room", "c. of g. m", "motion", "arrived", "touched", "planned s", "peak m/s2", *(words for words, _ in MEASURES.values())]
     return tables.markdown(head, lines)
 
 

@@ -50,6 +50,13 @@ def test_an_object_is_driven_and_named_in_the_record(corridor):
     assert run["tracking"]["tte"] < 0.002
 
 
+def test_a_hair_outside_both_borders_of_a_corner_is_no_collision():
+    query = gw.Query(gw.World(bounds=(0, 0, 6, 4)), (0.0, 0.0), (3.0, 2.0))
+    motion = gw.time(gw.plan(query).path, gw.Limits(1.0, 1.0))
+    assert gw.drive(query, motion, "tracker", plant=Exact((-1e-9, -1e-9, math.atan2(2, 3))))["outcome"] == "arrived"
+    assert gw.drive(query, motion, "tracker", plant=Exact((-0.06, -0.06, math.atan2(2, 3))))["collision"]["with"] == "border"
+
+
 def test_what_an_object_measured_is_in_the_record(corridor):
     plant = Exact((0.5, 0.0, 0.0))
     plant.extras = lambda: {"name": "cart", "wear": 0.5}

@@ -94,9 +94,8 @@ impl<'a> Judge<'a> {
 
     fn border(&self, leg: &Leg) -> Option<f64> {
         let end = leg.at(leg.t + leg.duration);
-        let near = |dx: f64, dy: f64| self.world.contains([end[0] + dx, end[1] + dy]);
-        let b = BORDER;
-        let inside = near(0.0, 0.0) || near(b, 0.0) || near(-b, 0.0) || near(0.0, b) || near(0.0, -b);
+        let near = |dx: f64| [0.0, BORDER, -BORDER].into_iter().any(|dy| self.world.contains([end[0] + dx, end[1] + dy]));
+        let inside = [0.0, BORDER, -BORDER].into_iter().any(near);
         (!inside).then_some(leg.t + leg.duration)
     }
 }

@@ -408,7 +408,7 @@ function subtitle() {
 function start() {
   byId("title").textContent = String(bundle.title);
   byId("subtitle").textContent = subtitle();
-  byId("legend").open = matchMedia("(min-width: 1000px)").matches;
+  byId("legend").open = matchMedia(entries.some((entry) => entry.replay) ? "(min-width: 1700px)" : "(min-width: 1000px)").matches; // a replay has many layers
   for (const rate of [0.25, 0.5, 1, 2, 4, 8, 16]) byId("rate").append(make("option", { value: rate, selected: rate === 1 }, `${rate}\u00d7`));
   byId("rate").addEventListener("change", (event) => { state.rate = Number(event.target.value); });
   byId("play").addEventListener("click", () => play(!state.playing));

@@ -9,6 +9,7 @@ import argparse
 import sys
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -115,20 +116,19 @@ def table(rows: list[Row], heights: Iterable[float]) -> str:
 
 
 def comparisons(rows: list[Row], heights: Iterable[float]) -> str:
-    """Each trapezoid against A-I-DE on the same path, seed by seed."""
-    pairs, ps = [], []
-    for room in ROOMS:
-        for height in heights:
-            for other in MOTIONS[1:]:
-                for key in TESTED:
-                    one, two = (
-                        [row[key] for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)]
-                        for name in (MOTIONS[0], other)
-                    )
-                    pairs.append([f"`{room}`", f"{height:g}", other, MEASURES[key][0], f"{tables.a12(one, two):.2f}"])
-                    ps.append(tables.signed_rank(one, two))
-    lines = [[*pair, f"{p:.2g}"] for pair, p in zip(pairs, tables.holm(ps), strict=True)]
-    return tables.markdown(["room", "c. of g. m", "A-I-DE against", "measure", "A12", "p after Holm"], lines)
+    """Each trapezoid against A-I-DE on the same paths, seed by seed: A12, and p after Holm over the two."""
+    lines = []
+    for room, height in product(ROOMS, heights):
+        of = {
+            name: {key: [row[key] for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)] for key in TESTED}
+            for name in MOTIONS
+        }
+        first, others = of[MOTIONS[0]], MOTIONS[1:]
+        ps = {key: tables.holm([tables.signed_rank(first[key], of[name][key]) for name in others]) for key in TESTED}
+        for k, name in enumerate(others):
+            cells = [f"{tables.a12(first[key], of[name][key]):.2f} ({ps[key][k]:.2g})" for key in TESTED]
+            lines.append([f"`{room}`", f"{height:g}", name, *cells])
+    return tables.markdown(["room", "c. of g. m", "A-I-DE against", "tilt max", "tilt RMS", "TTE", "slip max", "wheel work"], lines)
 
 
 def picture() -> str:
@@ -158,8 +158,8 @@ def main() -> None:
     tables.write_csv(given.out / "physics.csv", rows)
     text = (
         table(rows, given.heights)
-        + "\nA-I-DE beside the others on the same paths and seeds (A12 above 0.5: the other has the larger values; Wilcoxon signed ranks):\n\n"
-        + comparisons(rows, given.heights)
+        + "\nA-I-DE beside the others on the same paths and seeds (A12, above 0.5 where the other has the larger values, and in brackets p of Wilcoxon "
+        "signed ranks after Holm over the two):\n\n" + comparisons(rows, given.heights)
     )
     words = f"--seeds {given.seeds} --heights {' '.join(f'{h:g}' for h in given.heights)} --docs"
     tables.publish("physics", f"python experiments/driving/physics.py {words}", text, given.out, given.docs)

@@ -159,7 +159,7 @@ def view_of(mujoco: Any, plant: MobileBase, size: tuple[int, int]) -> Any:
     half = math.radians(float(plant.model.vis.global_.fovy)) / 2
     wide = (right - left + 1.2) / 2 / (math.tan(half) * size[0] / size[1])
     deep = (high - low + 1.2) / 2 * math.sin(math.radians(58.0)) / math.tan(half)
-    camera.distance = max(wide, deep) + 0.2 * (high - low)
+    camera.distance = max(wide, deep) + 0.32 * (high - low)
     return camera
 
 

@@ -158,8 +158,8 @@ def main() -> None:
     tables.write_csv(given.out / "physics.csv", rows)
     text = (
         table(rows, given.heights)
-        + "\nA-I-DE beside the others on the same paths and seeds (A12, above 0.5 where the other has the larger values, and in brackets p of Wilcoxon "
-        "signed ranks after Holm over the two):\n\n" + comparisons(rows, given.heights)
+        + "\nA-I-DE beside the others on the same paths and seeds (A12, above 0.5 where the other has the larger values, and in brackets p of "
+        "Wilcoxon signed ranks after Holm over the two):\n\n" + comparisons(rows, given.heights)
     )
     words = f"--seeds {given.seeds} --heights {' '.join(f'{h:g}' for h in given.heights)} --docs"
     tables.publish("physics", f"python experiments/driving/physics.py {words}", text, given.out, given.docs)

@@ -1,7 +1,7 @@
 //! Perception: what a robot makes of its scans.
 //!
-//! Scan points that the static world does not explain are grouped and tracked; without a map the static world is what was hit before, and a point counts as
-//! unexplained where rays have passed. Poses are filtered with odometry first.
+//! Scan points that the static world does not explain are grouped and tracked. Without a map the static world is what was hit before, and a point counts as
+//! unexplained where rays have passed. What stays where it is for a second becomes part of the static world. Poses are filtered with odometry first.
 
 mod blobs;
 mod map;
@@ -24,21 +24,19 @@ const TRUST: f64 = 0.2;
 /// Points this near to what the map shows belong to it, m, and so much more per metre of range (headings are noisy).
 const EXPLAINED: f64 = 0.08;
 const SLANT: f64 = 0.01;
+/// Rays that end nearer than this measure nothing: what covers the lidar blinds it, m.
+const LEAST: f64 = 0.05;
 /// A gap in time beyond this ends all tracks, s.
 const LAPSE: f64 = 1.0;
 /// Speed that anything unexplained may take up, m/s.
 const BOUND: f64 = 1.0;
 
-/// What the static world is, as far as the robot knows.
-enum Still {
-    Given(Arc<World>, Arc<ClearanceField>),
-    Seen(Box<LocalMap>),
-}
-
 /// Turns scans into what controllers see.
 pub struct Eyes {
     beams: usize,
-    still: Still,
+    /// The given map and its distances.
+    base: Option<(Arc<World>, Arc<ClearanceField>)>,
+    map: LocalMap,
     filter: Filter,
     tracks: Tracks,
     /// Time of the newest good scan, s.
@@ -53,13 +51,13 @@ pub struct Eyes {
 impl Eyes {
     /// Eyes behind a lidar in a world whose static part is known, or (`map_known` false) only its bounds.
     /// # Errors
-    /// [`PlanError::BadParameter`] for a lidar out of range.
+    /// [`PlanError::BadParameter`] for a lidar out of range, and for a map of more than 67 million cells.
     pub fn new(lidar: Lidar, world: &Arc<World>, map_known: bool) -> Result<Self, PlanError> {
         let lidar = lidar.validated()?;
-        let still = if map_known { Still::Given(Arc::clone(world), world.clearance_field()) } else { Still::Seen(Box::new(LocalMap::new(world)?)) };
         Ok(Self {
             beams: lidar.beams as usize,
-            still,
+            base: map_known.then(|| (Arc::clone(world), world.clearance_field())),
+            map: LocalMap::new(world, map_known)?,
             filter: Filter::new(TRUST),
             tracks: Tracks::default(),
             last: None,
@@ -71,7 +69,7 @@ impl Eyes {
     }
 
     /// Fills tracks, known world, age and scan of an observation (time, pose and speeds are there) from a new scan, if there is one. A scan with another
-    /// number of rays than the lidar has, with fewer than half of its rays measured, or not newer than the last one, is no look; nor is one at a pose
+    /// number of rays than the lidar has, with fewer than half of its rays measured (0.05 m and more), or not newer than the last one, is no look; nor is one at a pose
     /// that is not finite. When time runs backwards or makes a leap, movers are forgotten and the next scan counts.
     pub fn look(&mut self, seen: &mut Observation, scan: Option<Scan>) {
         let finite = seen.time.is_finite() && seen.pose.iter().chain([&seen.v, &seen.w]).all(|v| v.is_finite());
@@ -90,9 +88,7 @@ impl Eyes {
             _ => f64::INFINITY,
         };
         seen.scan.clone_from(&self.scan);
-        if let Still::Seen(map) = &mut self.still {
-            seen.known = Some(Arc::clone(map.world()));
-        }
+        seen.known = self.map.world().cloned();
         seen.tracks.clear();
         seen.tracks.extend(self.tracks.told(seen.time, BOUND));
     }
@@ -111,7 +107,7 @@ impl Eyes {
     fn good(&self, scan: &Scan, now: f64) -> bool {
         let fresh = (now - scan.time).abs() <= LAPSE && self.last.is_none_or(|t| scan.time > t);
         let angles = scan.first.is_finite() && scan.step.is_finite() && scan.step > 0.0;
-        let measured = scan.ranges.iter().filter(|r| **r >= 0.0).count();
+        let measured = scan.ranges.iter().filter(|r| **r >= LEAST).count();
         fresh && angles && scan.range > 0.0 && scan.ranges.len() == self.beams && 2 * measured >= self.beams
     }
 
@@ -128,9 +124,6 @@ impl Eyes {
             scan.ranges.get(ray).is_some_and(|r| *r > distance(p, origin) + radius)
         };
         self.tracks.update(&self.blobs, scan.time, open);
-        if let Still::Seen(map) = &mut self.still {
-            settle(map, &mut self.tracks, (&self.dots, &self.blobs));
-        }
         self.last = Some(scan.time);
         self.scan = Some(scan);
     }
@@ -139,29 +132,38 @@ impl Eyes {
     fn unexplained(&mut self, pose: [f64; 3], scan: &Scan) {
         self.dots.clear();
         let origin = [pose[0], pose[1]];
-        for (ray, r) in scan.ranges.iter().enumerate().filter(|(_, r)| **r >= 0.0) {
+        self.map.fade(scan.time);
+        for (ray, r) in scan.ranges.iter().enumerate().filter(|(_, r)| **r >= LEAST) {
             let (s, c) = (pose[2] + scan.first + scan.step * ray as f64).sin_cos();
             let range = r.min(scan.range);
             let at = [origin[0] + range * c, origin[1] + range * s];
             let ends = *r <= scan.range;
-            match &mut self.still {
-                Still::Given(world, field) => {
-                    if ends && !explained(world, field, at, range) {
-                        self.dots.push(Dot { ray, at, range });
-                    }
+            let explained = ends && self.base.as_ref().is_some_and(|(world, field)| explained(world, field, at, range));
+            let moving = ends && !explained && self.strange(at);
+            if !self.map.idle() {
+                self.map.miss(origin, [c, s], if ends { range } else { agreed(scan, ray) });
+            }
+            if moving {
+                if !self.tracks.cover(at) {
+                    self.map.linger(at, scan.time);
                 }
-                Still::Seen(map) => {
-                    let moving = ends && (self.tracks.cover(at) || map.certainly_free(at));
-                    map.miss(origin, [c, s], range);
-                    if moving {
-                        self.dots.push(Dot { ray, at, range });
-                    } else if ends {
-                        map.hit(at);
-                    }
-                }
+                self.dots.push(Dot { ray, at, range });
+            } else if ends && !explained {
+                self.map.hit(at);
             }
         }
     }
+
+    /// Is there something at `at` where there was nothing?
+    fn strange(&self, at: Point) -> bool {
+        self.tracks.cover(at) || self.map.certainly_free(at) || (self.base.is_some() && !self.map.shows(at))
+    }
+}
+
+/// How far a ray that met nothing frees cells, m: no farther than the longer of its neighbours, since single rays get lost. 0 without a neighbour.
+fn agreed(scan: &Scan, ray: usize) -> f64 {
+    let beside = [ray.checked_sub(1), Some(ray + 1)].into_iter().flatten().filter_map(|i| scan.ranges.get(i));
+    beside.filter(|r| **r >= LEAST).fold(0.0, |far: f64, r| far.max(*r)).min(scan.range)
 }
 
 /// Does the map show something at (or beside) a point? Points outside the map are not its business.
@@ -178,19 +180,6 @@ fn explained(world: &World, field: &ClearanceField, at: Point, range: f64) -> bo
     };
     // The centre of the cell is at most 0.71 sides away.
     cell.is_none_or(|cell| field.at(cell) < near + 0.71 * world.resolution())
-}
-
-/// What has come to rest becomes part of the map, and no longer counts as a mover.
-fn settle(map: &mut LocalMap, tracks: &mut Tracks, (dots, blobs): (&[Dot], &[Blob])) {
-    tracks.all.retain(|known| {
-        if known.settled() {
-            for blob in blobs.iter().filter(|b| distance(b.center, known.place) < known.radius) {
-                dots[blob.dots[0]..blob.dots[1]].iter().for_each(|d| map.settle(d.at));
-            }
-            return false;
-        }
-        true
-    });
 }
 
 #[cfg(test)]

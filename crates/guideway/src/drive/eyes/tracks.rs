@@ -18,6 +18,8 @@ const PACE: f64 = 1.5;
 const GATE: f64 = 3.5;
 const NEAR: f64 = 0.15;
 const FAR: f64 = 0.8;
+/// Something that never moved and is no longer seen is forgotten after so long, s.
+const FADES: f64 = 0.3;
 /// A mover that should be seen and is not is forgotten after so many scans; one that is hidden after so long, s.
 const MISSES: u32 = 4;
 const HIDING: f64 = 1.5;
@@ -98,8 +100,8 @@ impl Known {
         self.velocity[0].hypot(self.velocity[1])
     }
 
-    /// Has it rested long enough to be part of the static world?
-    pub fn settled(&self) -> bool {
+    /// Has it rested long enough to count as static?
+    fn settled(&self) -> bool {
         self.seen - self.anchor.1 >= SETTLED
     }
 
@@ -130,7 +132,7 @@ fn noise(blob: &Blob) -> f64 {
 /// All movers that are known.
 #[derive(Debug, Default)]
 pub(super) struct Tracks {
-    pub all: Vec<Known>,
+    all: Vec<Known>,
     next: usize,
     pairs: Vec<(f64, usize, usize)>,
     taken: Vec<bool>,
@@ -179,7 +181,7 @@ impl Tracks {
         for known in self.all.iter_mut().filter(|k| !k.matched) {
             known.misses += u32::from(open(known.place, known.radius));
         }
-        self.all.retain(|k| k.misses < MISSES && time - k.seen < HIDING);
+        self.all.retain(|k| k.misses < MISSES && time - k.seen < if k.moved { HIDING } else { FADES });
         for (j, blob) in blobs.iter().enumerate() {
             // A part of a mover that something else splits is no mover of its own.
             let part = self.all.iter().any(|k| distance(k.place, blob.center) < k.radius);

@@ -182,7 +182,7 @@ def main() -> None:
     asked = parser.parse_args()
     file = str(find_collection(asked.collection, asked.worlds))
     worlds = asked.only or world_numbers(file)[:: asked.every]
-    parts = [Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set) for w in worlds for s in range(asked.seeds)]
+    parts = [Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set) for s in range(asked.seeds) for w in worlds]
     rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}.jsonl", asked.workers)
     line = summary(f"{asked.collection}, {asked.map}", rows)
     print(f"{HEAD}\n{line}")

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import subprocess
 import sys
 
@@ -318,6 +319,16 @@ class TestMuJoCo:
             done = subprocess.run([*words[:5], *wrong], capture_output=True, text=True, timeout=300)
             assert done.returncode == 2, wrong
             assert "Traceback" not in done.stderr
+
+    def test_a_graphics_library_that_is_not_there_costs_the_film_alone(self, tmp_path):
+        scene = tmp_path / "room.toml"
+        scene.write_text("[world]\nbounds = [0, -2, 6, 2]\n[robot]\nfootprint = { disc = 0.25 }\n[query]\nstart = [0.5, 0.0]\ngoal = [1.0, 0.0]\n")
+        words = [sys.executable, "-m", "guideway", "drive", str(scene), "--plant", "mujoco", "--video", str(tmp_path / "run.gif")]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=300, env={**os.environ, "MUJOCO_GL": "disabled"})
+        assert done.returncode == 0, done.stderr
+        assert "arrived" in done.stdout
+        assert done.stderr.startswith("no film: this machine cannot render")
+        assert not (tmp_path / "run.gif").exists()
 
     def test_a_film_is_written_or_a_clear_reason_given(self, corridor, tmp_path):
         from guideway.plants import film

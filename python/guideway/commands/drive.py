@@ -214,6 +214,13 @@ def summary(record: dict[str, Any]) -> str:
         f"tracking     {100 * tracking['tte']:.2f} cm from the path (RMS), {100 * tracking['tpe']:.1f} cm from the goal at the end",
         f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms)",
     ]
+    plant = record["plant"]
+    if "tilt" in plant:
+        tilt, slip = plant["tilt"], plant["slip"]
+        lines.append(
+            f"plant        {plant['name']}: tilt at most {tilt['max']:.1f} degrees (posture stability {tilt['psi']:.1f} %), "
+            f"slip at most {slip['max']:.2f} m/s, {plant['contacts']} contacts, {plant['energy']['work']:.0f} J into the wheels"
+        )
     if record["collision"]:
         hit = record["collision"]
         lines.append(f"collision    with {hit['with']} at {hit['t']:.2f} s{' (it drove into the parked robot)' if hit['unavoidable'] else ''}")

@@ -18,10 +18,12 @@ from guideway import errors
 from guideway._core import (
     Minimum,
     Path,
+    Pilot,
     Profile,
     Query,
     Refined,
     Solution,
+    SpeedMap,
     Trajectory,
     World,
     __version__,
@@ -43,6 +45,7 @@ from guideway._core import (
     refine,
     scurve,
     time,
+    tour,
 )
 from guideway.errors import (
     BadFile,
@@ -81,12 +84,14 @@ __all__ = [
     "NoResult",
     "OutsideMap",
     "Path",
+    "Pilot",
     "PlanningError",
     "Polygon",
     "Profile",
     "Query",
     "Refined",
     "Solution",
+    "SpeedMap",
     "StartBlocked",
     "Trajectory",
     "World",
@@ -116,6 +121,7 @@ __all__ = [
     "schemas",
     "scurve",
     "time",
+    "tour",
     "view",
 ]
 

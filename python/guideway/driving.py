@@ -34,6 +34,8 @@ class Drive:
     plant: str | Plant = "unicycle"
     observe: jobs.Observer | None = None
     trace: bool = False
+    keep_out: list[str] = field(default_factory=list)
+    speed_mask: str | None = None
 
 
 def drive(
@@ -90,6 +92,7 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         plant=plant,
         observe=drive.observe,
         trace=drive.trace,
+        speed_map=None if drive.speed_mask is None else _core.SpeedMap.load(drive.speed_mask, drive.limits.speed),
     )
     return record(drive, raw, folder) | {"plant": plants.report_of(plant)}
 
@@ -109,7 +112,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "sense": drive.sense,
         "lidar": drive.lidar or None,
         "map": drive.map,
-        "world": jobs.world_record(world, folder),
+        "world": jobs.world_record(world, folder, drive.keep_out),
         "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
         "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),
         "obstacles": {"shapes": world.shapes, "movers": world.movers, "map": {"source": world.source, "files": world.files}},

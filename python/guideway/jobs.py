@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from guideway import _core, alternatives
+from guideway.errors import BadParameter
 from guideway.records import Budget, Limits
 from guideway.traces import trace_record
 
@@ -34,11 +35,18 @@ class Job:
     refine: str = "smooth"
     max_curvature: float | None = None
     limits: Limits = field(default_factory=Limits)
+    order: str = "given"
+    keep_out: list[str] = field(default_factory=list)
+    speed_mask: str | None = None
     timing: bool = True
     threads: int = 1
     exact_fallback: bool = False
     pareto: bool = False
     observe: Observer | None = None
+
+    def speed_map(self) -> _core.SpeedMap | None:
+        """The map of speeds that the mask means for the top speed of this job."""
+        return None if self.speed_mask is None else _core.SpeedMap.load(self.speed_mask, self.limits.speed)
 
     def query(self) -> _core.Query:
         """The core query of this job."""
@@ -72,7 +80,7 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
 
     Raises the errors of :mod:`guideway.errors`; on Ctrl-C ``KeyboardInterrupt`` with an attribute ``outcome`` (or None).
     """
-    query = job.query()
+    query, tour = toured(job)
     if job.pareto:
         alternatives.check(query)
     try:
@@ -91,6 +99,8 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
         interrupt.outcome = None if found is None else finish(job, query, found, folder, quick=True)  # type: ignore[attr-defined]
         raise
     outcome = finish(job, query, solution, folder)
+    if tour is not None:
+        outcome.record["tour"] = tour
     if job.pareto:
         try:
             outcome.record.update(alternatives.records(query, job.budget.seconds, job.observe))
@@ -101,6 +111,18 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
     return outcome
 
 
+def toured(job: Job) -> tuple[_core.Query, dict[str, Any] | None]:
+    """The query of a job, with its via points in the best order where that is asked for; and the tour then."""
+    query = job.query()
+    if job.order == "given":
+        return query, None
+    if job.order != "best":
+        raise BadParameter(f"order {job.order!r} is not known: given or best")
+    found = _core.tour(query)
+    job.via = [(x, y) for x, y in found["via"]]
+    return job.query(), {name: found[name] for name in ("order", "length", "bound")}
+
+
 def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str | os.PathLike[str], quick: bool = False) -> Outcome:
     """From a planner's solution to the outcome; ``quick`` leaves out refinement, timing and references."""
     trajectory = solution.trajectory  # of planners that plan path and speed at once: their path stays as it is
@@ -108,9 +130,10 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     from guideway import products  # it builds on this module
 
     refined = products.refine(job, query, solution, how)
-    if job.timing and not quick and trajectory is None:
-        trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw)
-    certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature)
+    zones = job.speed_map()
+    if job.timing and not quick and (trajectory is None or zones is not None):
+        trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=zones)
+    certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature, speed_map=zones)
     if not certificate["ok"]:
         failed = ", ".join(check["name"] for check in certificate["checks"] if not check["ok"])
         from guideway.errors import CertificateFailed
@@ -122,7 +145,7 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "planner": job.planner,
         "parameters": _core.parameters(job.planner, job.set or None),
         "seed": job.seed,
-        "world": world_record(job.world, folder),
+        "world": world_record(job.world, folder, job.keep_out),
         "query": query_record(query),
         "path": path_record(refined.path),
         "polyline": _core.polyline(refined.path, query).tolist(),
@@ -137,6 +160,8 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "trajectory": None if trajectory is None else trajectory_record(trajectory, job.limits),
         "speed_ceiling": None if trajectory is None else _core.ceiling(refined.path, job.limits).tolist(),
     }
+    if job.speed_mask is not None:
+        record["speed_mask"] = mask_record(job.speed_mask, folder)
     if refined.candidates:
         record["candidates"] = refined.candidates
     if (trace := trace_record(solution.trace)) is not None:
@@ -144,19 +169,32 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     return Outcome(record, query, solution, refined.path, trajectory)
 
 
-def world_record(world: _core.World, folder: str | os.PathLike[str]) -> dict[str, Any]:
-    """The ``world`` of a record; its source is named relative to ``folder`` where it can be."""
+def world_record(world: _core.World, folder: str | os.PathLike[str], keep_out: Sequence[str] = ()) -> dict[str, Any]:
+    """The ``world`` of a record; files are named relative to ``folder`` where they can be. ``keep_out`` are the masks that were applied to its source."""
     source = world.source
     if source is not None:
         plain, mark, number = source.partition("#")  # number N of a collection
-        if os.path.exists(plain):
-            try:
-                plain = os.path.relpath(plain, folder)
-            except ValueError:  # another drive
-                plain = os.path.abspath(plain)
-        source = plain + mark + number
+        source = relative(plain, folder) + mark + number
     size = {"width": world.width, "height": world.height, "resolution": world.resolution, "origin": list(world.origin)}
-    return {"source": source, "sha256": world.sha256, "files": world.files} | size
+    record = {"source": source, "sha256": world.sha256, "files": world.files} | size
+    return record | ({"keep_out": [mask_record(path, folder) for path in keep_out]} if keep_out else {})
+
+
+def mask_record(path: str, folder: str | os.PathLike[str]) -> dict[str, Any]:
+    """A mask in a record: where it is and what it was."""
+    from guideway.io.masks import read_mask
+
+    return {"source": relative(path, folder), "files": read_mask(path)[2]}
+
+
+def relative(path: str, folder: str | os.PathLike[str]) -> str:
+    """A file as seen from ``folder``; as it is where it does not exist."""
+    if not os.path.exists(path):
+        return path
+    try:
+        return os.path.relpath(path, folder)
+    except ValueError:  # another drive
+        return os.path.abspath(path)
 
 
 def query_record(query: _core.Query) -> dict[str, Any]:

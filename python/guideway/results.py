@@ -52,7 +52,20 @@ def world_of_record(record: dict[str, Any], path: str | os.PathLike[str]) -> Wor
     if others or (isinstance(digest, str) and world.sha256 != digest):
         what = f"it is not the map that {os.fspath(path)} was made with (another sha256{' of ' + others[0] if others else ''})"
         raise BadFile(found, what, "", "Plan again on this map")
+    masks = named.get("keep_out") if isinstance(named, dict) else None
+    for mask in masks or []:
+        world = world.with_keep_out(mask_of_record(mask, path))
     return world
+
+
+def mask_of_record(mask: dict[str, Any], path: str | os.PathLike[str]) -> str:
+    """The file of a mask that the record ``path`` names, checked to be the same."""
+    from guideway.io.masks import read_mask
+
+    found = _found(str(mask.get("source")), path)
+    if read_mask(found)[2] != mask.get("files"):
+        raise BadFile(found, f"it is not the mask that {os.fspath(path)} was made with (another sha256)", "", "Plan again with this mask")
+    return found
 
 
 def _found(source: str, path: str | os.PathLike[str]) -> str:

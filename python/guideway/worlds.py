@@ -30,8 +30,12 @@ def world_of(found: GridMap | Scene) -> World:
     common: dict[str, Any] = {"shapes": shapes, "movers": movers, "source": str(found.source), "sha256": found.sha256, "files": found.files}
     if found.map is not None:
         grid = found.map
-        return World(grid.blocked, grid.resolution, grid.origin, unknown=grid.unknown, **common)
-    return World(bounds=found.bounds, resolution=found.resolution, **common)
+        world = World(grid.blocked, grid.resolution, grid.origin, unknown=grid.unknown, **common)
+    else:
+        world = World(bounds=found.bounds, resolution=found.resolution, **common)
+    for mask in found.keep_out:
+        world = world.with_keep_out(mask)
+    return world
 
 
 def footprint_record(footprint: Footprint) -> dict[str, Any]:

@@ -6,6 +6,7 @@ use crate::motion::Trajectory;
 use crate::path::Path;
 use crate::plan::{Solution, watched};
 use crate::query::Query;
+use crate::speed_map::SpeedMap;
 use guideway::certify::{self as checker, Check, motion};
 use guideway::context::{Budget, Stop};
 use guideway::error::PlanError;
@@ -19,7 +20,8 @@ use serde_json::json;
 /// Returns `ok`, `collision_free`, `step` (m), `min_clearance` (m) and `checks`: name, ok, worst, limit, at. A curvature above `max_curvature` (1/m) is
 /// reported in its check (`reported` true) and does not make the certificate fail: there is not always room for a gentle bend.
 #[pyfunction]
-#[pyo3(signature = (path, query, trajectory=None, *, max_curvature=None, step=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
+#[pyo3(signature = (path, query, trajectory=None, *, max_curvature=None, step=None, speed_map=None))]
 pub fn certify<'py>(
     py: Python<'py>,
     path: &Path,
@@ -27,6 +29,7 @@ pub fn certify<'py>(
     trajectory: Option<&Trajectory>,
     max_curvature: Option<f64>,
     step: Option<f64>,
+    speed_map: Option<&SpeedMap>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (path, query) = (path.on_the_ground(py)?, &query.inner);
     if !(0.0..=1e6).contains(&query.clearance) {
@@ -46,6 +49,7 @@ pub fn certify<'py>(
         if let Some(motion) = trajectory {
             let asked = motion::Asked { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, ..motion::Asked::default() };
             checks.extend(motion::motion(&motion.inner, &asked));
+            checks.extend(speed_map.map(|map| checker::zones(&motion.inner, &map.inner)));
         }
         (collision, marking, checks)
     });

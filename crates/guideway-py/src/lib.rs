@@ -8,11 +8,14 @@ mod minimize;
 mod motion;
 mod objective;
 mod path;
+mod pilot;
 mod plan;
 mod plant;
 mod query;
 mod refine;
 mod scurve;
+mod speed_map;
+mod tour;
 mod world;
 
 use pyo3::prelude::*;
@@ -34,6 +37,8 @@ mod _core {
     #[pymodule_export]
     use crate::path::Path;
     #[pymodule_export]
+    use crate::pilot::Pilot;
+    #[pymodule_export]
     use crate::plan::{Solution, parameters, plan, planners};
     #[pymodule_export]
     use crate::query::Query;
@@ -41,6 +46,10 @@ mod _core {
     use crate::refine::{Refined, measure, polyline, refine};
     #[pymodule_export]
     use crate::scurve::{Profile, scurve};
+    #[pymodule_export]
+    use crate::speed_map::SpeedMap;
+    #[pymodule_export]
+    use crate::tour::tour;
     #[pymodule_export]
     use crate::world::{World, distance_transform};
 }

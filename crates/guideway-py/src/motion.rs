@@ -6,6 +6,7 @@ use crate::path::Path;
 use crate::plan::watched;
 use crate::plant::Called;
 use crate::query::Query;
+use crate::speed_map::SpeedMap;
 use guideway::context::{Budget, Context};
 use guideway::drive as core;
 use guideway::error::PlanError;
@@ -16,6 +17,7 @@ use guideway::timing::{self, Method, Piece, TimingOptions};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 
 /// A motion in time: pieces along a path with constant jerk, and turns in place.
 #[pyclass(frozen, module = "guideway")]
@@ -95,9 +97,9 @@ impl Trajectory {
 ///
 /// `among` (a query): the motion keeps the query's radius to the movers of its world at all times, by waiting and slowing down, near the earliest arrival; time 0 is
 /// that of the movers. With `passive`, a full brake after `latency` (s) ends out of reach of the movers wherever it begins; where no motion has that, it is
-/// dropped, and `Trajectory.among` says so. Raises `Infeasible` with the mover and the place where there is no motion.
+/// dropped, and `Trajectory.among` says so. `speed_map` (:class:`SpeedMap`): the motion keeps to its limits. Raises `Infeasible` with the mover and the place where there is no motion.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None, method="time-optimal", start_speed=0.0, end_speed=0.0, among=None, passive=true, latency=0.1))]
+#[pyo3(signature = (path, limits, *, start_yaw=None, goal_yaw=None, method="time-optimal", start_speed=0.0, end_speed=0.0, among=None, passive=true, latency=0.1, speed_map=None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time(
     py: Python<'_>,
@@ -111,11 +113,14 @@ pub fn time(
     among: Option<&Query>,
     passive: bool,
     latency: f64,
+    speed_map: Option<&SpeedMap>,
 ) -> PyResult<Trajectory> {
     let limits: Limits = from_python("limits", limits)?;
     let method = Method::named(method).or_py(py)?;
     let (result, raised): (Result<_, PlanError>, _) = watched(py, 0, Budget::default(), 1, None, |ctx| {
-        let options = TimingOptions { start_yaw, goal_yaw, method, start_speed, end_speed, ..TimingOptions::default() };
+        let zones = speed_map.map(|map| |s: f64| map.inner.around(path.inner.planar(s).point));
+        let clearance_ceiling = zones.as_ref().map(|f| f as &dyn Fn(f64) -> f64);
+        let options = TimingOptions { start_yaw, goal_yaw, method, start_speed, end_speed, clearance_ceiling };
         let Some(query) = among else { return Ok((timing::time(&path.inner, &limits, &options, ctx)?, None)) };
         let around = Among { passive, latency, ..Among::new(query.inner.world.movers(), query.inner.radius()) };
         let timed = movers::among(&path.inner, &limits, &options, &around, ctx)?;
@@ -188,7 +193,7 @@ fn senses(py: Python<'_>, (sense, lidar): (&str, Option<&Bound<'_, PyDict>>), ma
 /// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`. `plant` is
 /// an object with `observe()`, `step(v, w, dt)` and `motion()` (default: the unicycle); what it raises is raised.
 #[pyfunction]
-#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", plant=None, observe=None, trace=false))]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", plant=None, observe=None, trace=false, speed_map=None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn drive<'py>(
     py: Python<'py>,
@@ -207,17 +212,19 @@ pub fn drive<'py>(
     plant: Option<&Bound<'py, PyAny>>,
     observe: Option<&Bound<'py, PyAny>>,
     trace: bool,
+    speed_map: Option<&SpeedMap>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (sense, map_known) = senses(py, (sense, lidar), map)?;
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
     let again = plan::planner(planner, serde_json::Value::Null).or_py(py)?;
-    let planning = core::Planning::new(again, trajectory.inner.limits);
+    let planning = core::Planning::new(again, trajectory.inner.limits).with_speed_map(speed_map.map(|m| Arc::clone(&m.inner)));
     let replanner = |ask: &core::Ask, ctx: &mut Context<'_>| planning.motion(ask, ctx);
     let mut job = core::Job::new(&query.inner, &trajectory.inner).or_py(py)?;
     (job.arrival, job.stop_at_goal, job.time_limit) = (arrival, stop_at_goal, time_limit);
     job.replanner = Some(&replanner);
     job.trace = trace;
     (job.sense, job.map_known) = (sense, map_known);
+    job.speed_map = speed_map.map(|m| Arc::clone(&m.inner));
     let setup = core::Setup { world: query.inner.world.clone(), robot: job.robot.clone(), clearance: query.inner.clearance };
     let mut controller = core::controller(controller, parameters, &setup).or_py(py)?;
     let mut plant = plant.map(Called::new).transpose()?;

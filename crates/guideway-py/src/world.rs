@@ -72,6 +72,32 @@ impl World {
         Ok(Self { inner: Arc::new(self.inner.overlaid(movers)), source: self.source.clone(), sha256: self.sha256.clone(), files: self.files.clone() })
     }
 
+    /// The same world with a part of its map changed: `blocked` (height, width), row 0 on top, replaces the cells from `row`, `column` of the image on. Distances that
+    /// were computed are brought up to date where they can have changed.
+    #[pyo3(signature = (blocked, row=0, column=0))]
+    fn updated(&self, py: Python<'_>, blocked: &Bound<'_, PyAny>, row: u32, column: u32) -> PyResult<Self> {
+        let part = bits(blocked, Rows::TopFirst)?;
+        let [_, height] = self.inner.cells();
+        // The part's row 0 is its lowest; on the map that is `bottom`.
+        let bottom = i64::from(height) - i64::from(row) - i64::from(part.height());
+        let Ok(bottom) = u32::try_from(bottom) else {
+            let shown = format!("{} rows from row {row} on", part.height());
+            return Err(to_py(py, &PlanError::bad("blocked", shown, format!("a part of the map of {height} rows"))));
+        };
+        let mut changes = Vec::new();
+        for y in 0..part.height() {
+            changes.extend((0..part.width()).map(|x| ([column.saturating_add(x), bottom + y], part.at(x, y))));
+        }
+        let inner = py.detach(|| self.inner.updated(&changes)).or_py(py)?;
+        Ok(Self { inner: Arc::new(inner), source: None, sha256: None, files: BTreeMap::new() })
+    }
+
+    /// The same world without the areas that a keep-out mask forbids: a map_server file, or a bool array of shape (height, width), row 0 on top, that lies like the
+    /// world's own map. A cell that a forbidden one touches is blocked; cells that the mask does not know are not.
+    fn with_keep_out<'py>(slf: &Bound<'py, Self>, mask: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("guideway.io.masks")?.getattr("with_keep_out")?.call1((slf, mask))
+    }
+
     /// Exact distance from every cell's centre to the nearest static obstacle, m, shape (height, width), row 0 on top; infinite without obstacles.
     fn clearance_field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let inner = &self.inner;

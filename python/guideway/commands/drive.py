@@ -35,6 +35,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a parameter of the controller; may be repeated")
     parser.add_argument("--movers", metavar="FILE", help="moving obstacles instead of the scene's own: TOML with [[mover]], CSV t,id,x,y")
     parser.add_argument("--mover-radius", type=float, default=0.25, metavar="M", help="radius of the discs of a CSV, m (default 0.25)")
+    options.add_site(parser)
     parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), or lidar: simulated, and tracked")
     parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), or none but its bounds")
     parser.add_argument(
@@ -143,17 +144,21 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
 
 
 def _from_plan(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, Any]]:
-    from guideway.results import is_run, load_record, world_of_record
+    from guideway.results import is_run, load_record, mask_of_record, world_of_record
 
     plan = load_record(arguments.plan)
     if is_run(plan):
         raise BadFile(arguments.plan, "it is a run", "a plan.json or a scene TOML")
-    world = _with_movers(world_of_record(plan, arguments.plan), arguments)
+    world = _with_site(_with_movers(world_of_record(plan, arguments.plan), arguments), arguments)
+    masks = [mask_of_record(mask, arguments.plan) for mask in plan["world"].get("keep_out", [])]
+    slow = None if "speed_mask" not in plan else mask_of_record(plan["speed_mask"], arguments.plan)
     try:
         query, trajectory, limits = driving.from_plan(plan, world)
     except (KeyError, TypeError, ValueError) as error:
         raise BadFile(arguments.plan, f"a field is missing or wrong ({error})", "a plan.json as guideway plan writes it") from None
-    return driving.Drive(query, trajectory, limits, planner=plan.get("planner", "visibility")), plan
+    drive = driving.Drive(query, trajectory, limits, planner=plan.get("planner", "visibility"))
+    drive.keep_out, drive.speed_mask = [*masks, *arguments.keep_out], arguments.speed_mask or slow
+    return drive, plan
 
 
 def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, Any]]:
@@ -164,20 +169,29 @@ def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str,
     if not isinstance(scene, Scene):
         raise BadFile(arguments.plan, "it is a map without a query", "a plan.json, or a scene TOML with a [query] table", "Plan on it first")
     job = job_of_scene(scene)
-    job.world = _with_movers(job.world, arguments)
+    job.world = _with_site(_with_movers(job.world, arguments), arguments)
+    job.keep_out, job.speed_mask = list(arguments.keep_out), arguments.speed_mask or job.speed_mask
     job.planner = arguments.planner or job.planner
-    query = job.query()
+    world = job.world
     if arguments.map == "none":
         job.world = driving.unseen(job.world)  # the first plan knows no better
     outcome = jobs.run(job, options.folder_of(arguments.out))
     if outcome.trajectory is None:
         raise BadParameter("the scene's job asks for no timing; a drive needs a motion in time")
-    drive = driving.Drive(query, outcome.trajectory, job.limits, planner=job.planner)
+    job.world = world
+    drive = driving.Drive(job.query(), outcome.trajectory, job.limits, planner=job.planner)
+    drive.keep_out, drive.speed_mask = job.keep_out, job.speed_mask
     if scene.query is not None:
         drive.arrival, drive.time_limit, drive.stop_at_goal = scene.query.arrival, scene.query.time_limit, scene.query.stop
     if scene.lidar is not None and arguments.sense == "lidar":
         drive.lidar = scene.lidar.to_dict()
     return drive, outcome.record
+
+
+def _with_site(world: _core.World, arguments: argparse.Namespace) -> _core.World:
+    for mask in arguments.keep_out:
+        world = world.with_keep_out(mask)
+    return world
 
 
 def _with_movers(world: _core.World, arguments: argparse.Namespace) -> _core.World:

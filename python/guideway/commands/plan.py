@@ -54,6 +54,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--compare-materials", action="store_true", help="all three products of the query beside the one asked for")
     where.add_argument("--unknown", choices=["blocked", "free"], default="blocked", help="cells that nobody has seen (default blocked)")
     where.add_argument("--thresholds", choices=["inclusive", "strict"], help="reading of map_server thresholds (default that of current Nav2)")
+    where.add_argument("--order", choices=["given", "best"], help="of the via points (default given)")
+    options.add_site(parser)
     options.add_method(parser)
     exact = parser.add_argument_group("exact lattice paths")
     exact.add_argument("--exact-fallback", action="store_true", help="where a lattice planner falls behind the exact path, return that")
@@ -140,6 +142,11 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     job.start, job.goal = _end(arguments, "start", job.start, world), _end(arguments, "goal", job.goal, world)
     if arguments.via:
         job.via = [_pair(options.numbers("--via", text, (2,), "X,Y")) for text in arguments.via]
+    job.order = arguments.order or job.order
+    for mask in arguments.keep_out:
+        job.world = job.world.with_keep_out(mask)
+        job.keep_out.append(mask)
+    job.speed_mask = arguments.speed_mask or job.speed_mask
     job.set = job.set | dict(options.setting(text) for text in arguments.set)
     job.limits = _limits(job.limits, arguments)
     given = {name: value for name in ("iterations", "evaluations", "seconds") if (value := getattr(arguments, name)) is not None}
@@ -162,7 +169,9 @@ def job_of_scene(scene: Scene) -> jobs.Job:
     if query is not None:
         job.start = () if query.start is None else (*query.start, *([] if query.start_yaw is None else [query.start_yaw]))
         job.goal = () if query.goal is None else (*query.goal, *([] if query.goal_yaw is None else [query.goal_yaw]))
+        job.order = query.order
         job.via, job.clearance, job.half_width, job.material = list(query.via), query.clearance, query.half_width, query.material
+    job.speed_mask = None if scene.speed_mask is None else str(scene.speed_mask)
     if table is not None:
         job.planner, job.refine = table.planner or job.planner, table.refine or job.refine
         job.set, job.seed, job.corners = dict(table.set), table.seed or 0, table.corners

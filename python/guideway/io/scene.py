@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import cast
+from typing import Literal, cast
 
 from guideway.errors import BadFile
 from guideway.io.files import MAX_TEXT, load, name
@@ -37,6 +37,7 @@ def load_scene(path: str | os.PathLike[str], *, unknown: Unknown | None = None, 
     grid = _map(world, folder, files, (unknown, thresholds))
     shapes = (*[_disc(t) for t in top.tables("disc")], *[_polygon(t) for t in top.tables("polygon")])
     movers = read_movers(top, folder, files)
+    keep_out, speed_mask = _masks(world, folder, files)
     bounds, resolution = _extent(world, grid)
     robot, lidar, query, plan = top.table("robot"), top.table("lidar"), top.table("query"), top.table("plan")
     top.done()
@@ -54,7 +55,25 @@ def load_scene(path: str | os.PathLike[str], *, unknown: Unknown | None = None, 
         query=_query(query) if query else None,
         plan=_plan(plan) if plan else None,
         files=files,
+        keep_out=keep_out,
+        speed_mask=speed_mask,
     )
+
+
+def _masks(world: Table, folder: Path, files: dict[str, str]) -> tuple[tuple[Path, ...], Path | None]:
+    """Site rules: files named relative to the scene, which are read later."""
+    from guideway.io.masks import read_mask
+
+    named = world.raw("keep_out") or []
+    if not isinstance(named, list) or not all(isinstance(item, str) for item in named):
+        raise world.bad("keep_out", 'a list of map_server files, e.g. ["keepout.yaml"]')
+    slow = world.text("speed_mask")
+    paths = [folder / item for item in [*named, *([] if slow is None else [slow])]]
+    for path in paths:
+        if not os.path.lexists(path):
+            raise BadFile(world.at("keep_out" if path != paths[-1] or slow is None else "speed_mask"), f"the mask {name(path)} does not exist")
+        files.update({str(path.parent.relative_to(folder) / key): value for key, value in read_mask(path)[2].items()})
+    return tuple(paths[: len(named)]), None if slow is None else paths[-1]
 
 
 def load_movers(path: str | os.PathLike[str], radius: float = 0.25) -> tuple[Mover, ...]:
@@ -190,6 +209,7 @@ def _query(table: Table) -> Query:
         arrival=table.number("arrival", 0.0, HUGE, "m", 0.1, above=True),
         material=cast(Material, table.choice("material", MATERIALS, "standard")),
         time_limit=table.optional("time_limit", 0.0, 1e6, "s", above=True),
+        order=cast('Literal["given", "best"]', table.choice("order", ("given", "best"), "given")),
     )
     table.done()
     return query

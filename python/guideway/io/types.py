@@ -204,6 +204,7 @@ class Query:
     time_limit: float | None = None
     stop: bool = True
     """Does arrival ask for rest?"""
+    order: Literal["given", "best"] = "given"
 
 
 @dataclass(frozen=True)
@@ -246,3 +247,5 @@ class Scene:
     plan: Plan | None = None
     files: dict[str, str] = field(default_factory=dict)
     kind: str = "scene"
+    keep_out: tuple[Path, ...] = ()
+    speed_mask: Path | None = None

@@ -9,11 +9,13 @@ use crate::query::{Limits, Query};
 use crate::refine::{Refiner, Smooth};
 use crate::timing::{self, TimingOptions, Trajectory};
 use crate::world::shape::distance;
-use crate::world::{Footprint, Shape, World};
+use crate::world::{Footprint, Shape, SpeedMap, World};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Room to obstacles below which no plan is asked for where the covering disc does not fit, m beyond the inscribed circle.
 const TIGHT: f64 = 0.02;
+/// Movers in the way are grown by this for planning, m: controllers keep off them, and they do not stand quite still.
+const GROWN: f64 = 0.15;
 /// A robot is at rest below this, m/s.
 const SLOW: f64 = 0.05;
 /// Room left around the robot's own place and the goal, m.
@@ -35,13 +37,21 @@ pub type Replanner<'a> = dyn Fn(&Ask, &mut Context) -> Result<Trajectory, PlanEr
 pub struct Planning {
     planner: Box<dyn Planner>,
     limits: Limits,
+    speed_map: Option<Arc<SpeedMap>>,
     previous: Mutex<Option<Solution>>,
 }
 
 impl Planning {
     /// Plans with `planner` and moves within `limits`.
     pub fn new(planner: Box<dyn Planner>, limits: Limits) -> Self {
-        Self { planner, limits, previous: Mutex::new(None) }
+        Self { planner, limits, speed_map: None, previous: Mutex::new(None) }
+    }
+
+    /// Motions keep to the speeds of a map as well.
+    #[must_use]
+    pub fn with_speed_map(mut self, map: Option<Arc<SpeedMap>>) -> Self {
+        self.speed_map = map;
+        self
     }
 
     /// A motion for what is asked: the planner repairs its last plan if it can, a path that cannot be smoothed is driven as it is, and one that cannot be entered at the
@@ -58,7 +68,10 @@ impl Planning {
         let path = Smooth::default().refine(&solution.path, query, ctx).map_or_else(|_| solution.path.clone(), |refined| refined.path);
         *previous = Some(solution);
         let start_speed = ask.speed.clamp(0.0, self.limits.speed);
-        let options = TimingOptions { start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, start_speed, ..TimingOptions::default() };
+        let zones = self.speed_map.as_deref().map(|map| |s: f64| map.around(path.planar(s).point));
+        let clearance_ceiling = zones.as_ref().map(|f| f as &dyn Fn(f64) -> f64);
+        let options =
+            TimingOptions { clearance_ceiling, start_yaw: query.start_yaw, goal_yaw: query.goal_yaw, start_speed, ..TimingOptions::default() };
         match timing::time(&path, &self.limits, &options, ctx) {
             Err(_) if start_speed > 0.0 => timing::time(&path, &self.limits, &TimingOptions { start_speed: 0.0, ..options }, ctx),
             result => result,
@@ -85,7 +98,7 @@ pub(super) fn asks(
     let resting = seen.v < SLOW || !rolling;
     let ask = |radius: f64| {
         let (footprint, clearance) = if radius >= body { (robot.footprint.clone(), radius - body) } else { (Footprint::Disc(radius), 0.0) };
-        let shapes = extra.iter().filter_map(|&(center, r)| around(center, r, radius, [start, query.goal]));
+        let shapes = extra.iter().filter_map(|&(center, r)| around(center, r + GROWN, radius, [start, query.goal]));
         let start_yaw = resting.then_some(seen.pose[2]);
         let query = Query { world: Arc::new(world.extended(shapes)), start, start_yaw, via: via.clone(), clearance, footprint, ..query.clone() };
         (radius, Ask { query, speed: if resting { 0.0 } else { seen.v } })

@@ -13,8 +13,8 @@ use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Query;
 use crate::timing::Trajectory;
-use crate::world::Mover;
 use crate::world::shape::{distance, wrap};
+use crate::world::{Mover, SpeedMap};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -60,6 +60,8 @@ pub struct Job<'a> {
     pub map_known: bool,
     /// Plans anew where the way is blocked; without one the robot waits.
     pub replanner: Option<&'a Replanner<'a>>,
+    /// How fast may be driven where.
+    pub speed_map: Option<Arc<SpeedMap>>,
     /// Keep what reports show of single steps?
     pub trace: bool,
 }
@@ -84,6 +86,7 @@ impl<'a> Job<'a> {
             sense: Sense::Truth,
             map_known: true,
             replanner: None,
+            speed_map: None,
             trace: false,
         })
     }

@@ -20,6 +20,7 @@ mod lidar;
 mod local;
 mod navigator;
 mod outline;
+mod pace;
 mod pilot;
 mod rays;
 mod record;
@@ -131,12 +132,17 @@ pub struct Observation {
     pub known: Option<Arc<World>>,
     /// The newest scan, where there is a lidar.
     pub scan: Option<Arc<Scan>>,
+    /// Share of the planned speed to drive at, 0 to 1; it changes within the limits of acceleration and jerk. Speeds above this share of the top speed are scaled
+    /// down after the decision.
+    pub share: f64,
+    /// Largest speed allowed here, m/s.
+    pub top: f64,
 }
 
 impl Observation {
     /// A robot that knows its map and sees no movers.
     pub fn new(time: f64, pose: [f64; 3], v: f64, w: f64) -> Self {
-        Self { time, pose, v, w, tracks: Vec::new(), age: 0.0, known: None, scan: None }
+        Self { time, pose, v, w, tracks: Vec::new(), age: 0.0, known: None, scan: None, share: 1.0, top: f64::INFINITY }
     }
 }
 

@@ -131,6 +131,11 @@ impl<'a> Navigator<'a> {
         &self.guide
     }
 
+    /// Arc length reached, m.
+    pub fn reached(&self) -> f64 {
+        self.s
+    }
+
     /// The sub-goal that the robot heads for, m.
     pub fn sub_goal(&self) -> Option<Point> {
         self.sub_goals.next()

@@ -1,14 +1,18 @@
 //! Perception, navigation and control behind one step: what [`execute`](super::execute) runs, and what a robot's own control loop calls.
 
 use super::navigator::Navigator;
+use super::pace::Pace;
 use super::{Command, Controller, Course, Decision, Event, Eyes, Guide, Job, Observation, OwnReplanner, Reason, Robot, Scan, Sense, Sketch};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Query;
 use crate::timing::Trajectory;
+use crate::world::SpeedMap;
 use std::sync::Arc;
 
+/// Braking for a slower zone begins so much before it has to, s.
+const AHEAD: f64 = 0.2;
 /// Older looks at the surroundings than this are not driven on, s.
 const BLIND: f64 = 0.5;
 
@@ -37,6 +41,9 @@ pub struct Pilot<'a> {
     /// Why the robot was to stop in the last step.
     stopping: Option<String>,
     blind: bool,
+    pace: Pace,
+    speed_map: Option<Arc<SpeedMap>>,
+    deceleration: f64,
 }
 
 impl<C: Controller + ?Sized> Controller for &mut C {
@@ -63,17 +70,34 @@ impl<'a> Pilot<'a> {
     ) -> Result<Self, PlanError> {
         let navigator = Navigator::new(query, robot, Arc::new(Course::new(trajectory)?), replanner);
         controller.follow(navigator.guide());
-        Ok(Self { controller, eyes: None, navigator, stopping: None, blind: false })
+        Ok(Self {
+            controller,
+            eyes: None,
+            navigator,
+            stopping: None,
+            blind: false,
+            pace: Pace::new(robot, trajectory.limits.jerk),
+            speed_map: None,
+            deceleration: robot.deceleration,
+        })
     }
 
-    /// The pilot of a job. Where the map is not known it plans on what its eyes have seen, from nothing on.
+    /// The pilot of a job.
     /// # Errors
-    /// As [`Pilot::new`], and for a lidar out of range.
+    /// As [`Pilot::owned`].
     pub fn of_job(job: &Job<'a>, controller: Box<dyn Controller + 'a>) -> Result<Self, PlanError> {
         let replanner = job.replanner.map(|f| -> Box<OwnReplanner<'a>> { Box::new(move |ask, ctx| f(ask, ctx)) });
+        Self::owned(job, controller, replanner)
+    }
+
+    /// A pilot for what a job describes, its replanner aside. Where the map is not known it plans on what its eyes have seen, from nothing on.
+    /// # Errors
+    /// As [`Pilot::new`], for a lidar out of range, and for a robot without a map and a lidar.
+    pub fn owned(job: &Job, controller: Box<dyn Controller + 'a>, replanner: Option<Box<OwnReplanner<'a>>>) -> Result<Self, PlanError> {
         let world = if job.map_known { Arc::clone(&job.query.world) } else { Arc::new(job.query.world.emptied()?) };
         let query = Query { world, ..job.query.clone() };
-        let pilot = Self::new((&query, job.trajectory), &job.robot, controller, replanner)?;
+        let mut pilot = Self::new((&query, job.trajectory), &job.robot, controller, replanner)?;
+        pilot.speed_map.clone_from(&job.speed_map);
         match job.sense {
             Sense::Truth if job.map_known => Ok(pilot),
             Sense::Truth => Err(PlanError::bad("map", "none", "known, or none with a lidar to see by (sense)")),
@@ -105,6 +129,25 @@ impl<'a> Pilot<'a> {
         self.controller.trace()
     }
 
+    /// Share of the planned speed that is asked for.
+    pub fn share(&self) -> f64 {
+        self.pace.share
+    }
+    /// Drives at this share of the planned speed, 0 to 1, from now on; the change keeps to the limits of acceleration and jerk.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for a share that is none.
+    pub fn set_share(&mut self, share: f64) -> Result<(), PlanError> {
+        if !(0.0..=1.0).contains(&share) {
+            return Err(PlanError::bad("override", share, "0 to 1"));
+        }
+        self.pace.share = share;
+        Ok(())
+    }
+    /// Stops on the path, within the limits of deceleration and jerk, or goes on.
+    pub fn hold(&mut self, hold: bool) {
+        self.pace.held = hold;
+    }
+
     /// One control step from what the sensors say. With perception `seen` is filled in from `scan`; without, it comes with tracks.
     pub fn step(&mut self, seen: &mut Observation, scan: Option<Scan>, ctx: &mut Context) -> Step {
         if let Some(eyes) = &mut self.eyes {
@@ -115,8 +158,11 @@ impl<'a> Pilot<'a> {
             self.follow();
             replanned = true;
         }
+        seen.share = self.pace.step(seen.time);
+        seen.top = self.allowed(seen);
         let decision = self.decide(seen, ctx);
-        if self.navigator.after(seen, &decision, ctx) {
+        let decision = self.paced(decision, seen);
+        if self.pace.now > 0.0 && self.navigator.after(seen, &decision, ctx) {
             self.follow();
             replanned = true;
         }
@@ -127,6 +173,36 @@ impl<'a> Pilot<'a> {
 
     fn follow(&mut self) {
         self.controller.follow(self.navigator.guide());
+    }
+
+    /// A decision within the speed that is allowed: slower on the same arc where the controller has not done so itself.
+    fn paced(&self, decision: Decision, seen: &Observation) -> Decision {
+        match decision {
+            Decision::Stop(_) => decision,
+            _ if self.pace.held && seen.share <= 0.0 => Decision::Stop(Reason::new("held")),
+            Decision::Drive(command) => {
+                let most = (seen.share * self.pace.speed).min(seen.top).max(1e-9);
+                let slow = if command.v > 0.0 { (command.v / most).max(1.0).recip() } else { seen.share };
+                Decision::Drive(Command { v: command.v * slow, w: command.w * slow })
+            }
+            Decision::Replan(_) => decision,
+        }
+    }
+
+    /// Largest speed that the map of speeds allows here, and from which those ahead on the course are met in time, m/s.
+    fn allowed(&self, seen: &Observation) -> f64 {
+        let Some(map) = &self.speed_map else { return f64::INFINITY };
+        let p = [seen.pose[0], seen.pose[1]];
+        let course = &self.guide().course;
+        let reach = seen.v * seen.v / (2.0 * self.deceleration) + AHEAD * seen.v.abs();
+        let n = (reach / (0.5 * map.resolution())).ceil().clamp(1.0, 1e4);
+        let ahead = |k: u32| {
+            let d = reach * f64::from(k) / n;
+            let pose = course.at_length(self.navigator.reached() + d).pose;
+            let limit = map.around([pose[0], pose[1]]);
+            (limit * limit + 2.0 * self.deceleration * (d - AHEAD * seen.v.abs()).max(0.0)).sqrt()
+        };
+        (1..=n as u32).map(ahead).fold(map.around(p), f64::min)
     }
 
     /// What the controller decides, unless there is no way or nothing is seen.

@@ -138,9 +138,10 @@ impl Following {
         let reference = course.at(self.clock);
         let e = error(&reference, seen);
         let late = (e[0].abs().max(e[1].abs()) - self.p.behind).max(0.0) / self.p.behind.max(1e-3) + (e[2].abs() - 0.4).max(0.0) / 0.4;
-        let target = (1.0 - late).clamp(0.0, 1.0);
         let robot = &self.setup.robot;
         let next = course.at(self.clock + 0.1);
+        let allowed = seen.share.min(seen.top / next.speed.max(reference.speed).max(1e-9)).max(0.0);
+        let target = (1.0 - late).clamp(0.0, 1.0).min(allowed);
         let rise = if next.speed > 0.05 || next.turn_rate.abs() < 0.05 {
             robot.acceleration / next.speed.max(0.2)
         } else {
@@ -182,6 +183,8 @@ impl Following {
         let keep = self.radius + self.p.margin;
         let (steps, times) = ((ahead / 0.05).ceil() as u32, ((stop + self.p.foresight) / 0.1).ceil() as u32);
         seen.tracks.iter().find(|track| {
+            // Beside one that is nearer than that already it may go on as long as it comes no nearer.
+            let keep = keep.min(track.distance([seen.pose[0], seen.pose[1]], 0.0) - 0.01).max(self.radius);
             (1..=steps).any(|i| {
                 let at = course.at_length(self.s + ahead * f64::from(i) / f64::from(steps));
                 let p = [at.pose[0], at.pose[1]];

@@ -12,6 +12,7 @@ pub mod sample;
 pub mod score;
 pub mod search;
 pub mod swarm;
+pub mod tour;
 
 pub use crate::optimize::Parameter;
 pub use iascv::Iascv;

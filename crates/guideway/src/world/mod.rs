@@ -14,6 +14,7 @@ mod mover;
 mod pose;
 mod segment;
 pub mod shape;
+mod speed_map;
 #[cfg(test)]
 mod tests;
 mod update;
@@ -25,6 +26,7 @@ pub use grid::{Cell, Grid, MAX_CELLS, MAX_SIDE};
 pub use lattice::{Corners, Lattice, Padded, Pool};
 pub use mover::{Appears, Loop, Mover};
 pub use shape::Shape;
+pub use speed_map::SpeedMap;
 
 use crate::Point;
 use crate::error::PlanError;

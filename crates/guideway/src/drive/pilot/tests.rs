@@ -1,9 +1,9 @@
 use super::super::testing::{legs, limits, parked, query, room};
-use super::super::{Ask, Outcome, Outline, Planning, Run, Setup, Track, controller, execute};
+use super::super::{Ask, Outcome, Outline, Planning, Plant, Run, Setup, Track, Unicycle, UnicyclePlant, controller, execute};
 use super::*;
 use crate::plan;
 use crate::world::shape::distance;
-use crate::world::{Appears, Footprint, Mover, Shape, World};
+use crate::world::{Appears, Footprint, Mover, Shape, SpeedMap, World};
 use serde_json::Value;
 
 const ROOM: [f64; 4] = [0.0, 0.0, 10.0, 6.0];
@@ -167,4 +167,60 @@ fn blind_and_senseless_readings_stop_with_a_reason() {
     }
     let mut good = Observation::new(2.0, [1.0, 3.0, 0.0], 0.0, 0.0);
     assert!(pilot.step(&mut good, None, &mut ctx).stop.is_none());
+}
+
+/// Steps a pilot and an ideal base along; what it drives at each step.
+fn go(pilot: &mut Pilot, plant: &mut UnicyclePlant, steps: std::ops::Range<u32>) -> Vec<Command> {
+    steps
+        .map(|k| {
+            let mut seen = Observation { time: 0.02 * f64::from(k), ..plant.observe() };
+            let command = pilot.step(&mut seen, None, &mut Context::new(0)).command;
+            plant.step(command, 0.02);
+            command
+        })
+        .collect()
+}
+
+#[test]
+fn an_override_and_a_stop_keep_to_the_path_and_to_the_limits() {
+    let (mut pilot, _) = pilot(false);
+    let robot = Robot::new(Footprint::Disc(0.25), &limits()).unwrap();
+    let mut plant = Unicycle::ideal().place(&robot, [1.0, 3.0, 0.0], 0);
+    assert!(pilot.set_share(1.5).is_err() && pilot.set_share(f64::NAN).is_err());
+    let mut driven = go(&mut pilot, &mut plant, 0..150);
+    pilot.set_share(0.5).unwrap();
+    driven.extend(go(&mut pilot, &mut plant, 150..300));
+    assert!((driven[149].v - 0.9).abs() < 0.05 && (driven[299].v - 0.45).abs() < 0.05, "{} {}", driven[149].v, driven[299].v);
+    pilot.hold(true);
+    driven.extend(go(&mut pilot, &mut plant, 300..450));
+    assert!(driven[440..].iter().all(|c| *c == Command::default()));
+    pilot.hold(false);
+    driven.extend(go(&mut pilot, &mut plant, 450..650));
+    assert!(driven[649].v > 0.4 && plant.motion().pose[1].abs() - 3.0 < 0.01);
+    let rates: Vec<f64> = driven.windows(2).map(|w| (w[1].v - w[0].v) / 0.02).collect();
+    assert!(rates[100..].iter().all(|a| a.abs() < 1.5), "{:?}", rates[100..].iter().copied().fold(0.0, f64::max));
+}
+
+#[test]
+fn a_map_of_speeds_is_kept_to_by_the_plan_and_by_the_drive() {
+    let world = room(ROOM, Vec::new(), Vec::new());
+    let mut slow = vec![f64::INFINITY; 100 * 60];
+    (0..60).for_each(|y| slow[y * 100 + 40..y * 100 + 60].fill(0.3));
+    let map = Arc::new(SpeedMap::new(&slow, [100, 60], 0.1, [0.0; 3]).unwrap());
+    let query = query(&world, &[[1.0, 3.0], [9.0, 3.0]]);
+    let ask = Ask { query: query.clone(), speed: 0.0 };
+    let fast = planning().motion(&ask, &mut Context::new(0)).unwrap();
+    let motion = planning().with_speed_map(Some(Arc::clone(&map))).motion(&ask, &mut Context::new(0)).unwrap();
+    let (bad, good) = (crate::certify::zones(&fast, &map), crate::certify::zones(&motion, &map));
+    assert!(!bad.ok && bad.worst > 0.5 && good.ok, "{bad:?} {good:?}");
+    assert!(motion.duration() > fast.duration() + 3.0);
+    // The drive slows down by itself too, where the plan does not know.
+    let mut job = Job::new(&query, &fast).unwrap();
+    (job.speed_map, job.plant) = (Some(Arc::clone(&map)), Unicycle::ideal());
+    let setup = Setup { world: Arc::clone(&world), robot: job.robot.clone(), clearance: 0.1 };
+    let mut tracker = controller("tracker", Value::Null, &setup).unwrap();
+    let run = execute(&job, tracker.as_mut(), &mut Context::new(1)).unwrap();
+    assert_eq!(run.outcome, Outcome::Arrived);
+    let over = run.driven.iter().map(|r| r[4] - map.at([r[1], r[2]])).fold(f64::NEG_INFINITY, f64::max);
+    assert!(over < 0.02 && run.driven.iter().any(|r| r[4] > 0.8), "{over}");
 }

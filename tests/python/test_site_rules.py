@@ -1,0 +1,136 @@
+"""Keep-out and speed masks, changed worlds, and the order of via points."""
+
+import itertools
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from PIL import Image
+
+import guideway as gw
+from guideway.cli import main
+from guideway.errors import BadFile, BadParameter
+from guideway.io import masks
+
+
+def mask(folder: Path, name: str, grey: np.ndarray, resolution: float, origin=(0, 0, 0), mode="trinary") -> Path:
+    Image.fromarray(grey.astype(np.uint8)).save(folder / f"{name}.pgm")
+    thresholds = (1.0, 0.0) if mode == "scale" else (0.65, 0.25)
+    text = f"image: {name}.pgm\nmode: {mode}\nresolution: {resolution}\norigin: {list(origin)}\nnegate: 0\n"
+    path = folder / f"{name}.yaml"
+    path.write_text(text + f"occupied_thresh: {thresholds[0]}\nfree_thresh: {thresholds[1]}\n")
+    return path
+
+
+def forbidden(height, width, rows, columns):
+    grey = np.full((height, width), 255)
+    grey[rows, columns] = 0
+    return grey
+
+
+def test_a_mask_of_another_resolution_blocks_every_cell_it_touches(tmp_path):
+    world = gw.World(np.zeros((40, 60), bool), 0.1, (1.0, 2.0, 0.0))
+    path = mask(tmp_path, "keep", forbidden(30, 40, slice(10, 12), slice(5, 8)), 0.15, (1.0, 2.0, 0.0))
+    kept = world.with_keep_out(path)
+    blocked = kept.occupancy() == 1
+    # columns 5 to 7 of 0.15 m: 0.75 to 1.2 m, cells 7 to 11; rows 18, 19 from below: 2.7 to 3.0 m, cells 27 to 29
+    expected = np.zeros((40, 60), bool)
+    expected[40 - 30 : 40 - 27, 7:12] = True
+    assert (blocked == expected).all()
+    again = world.with_keep_out(np.roll(expected, 3))
+    assert (again.occupancy() == 1).sum() == expected.sum()
+
+
+def test_worlds_of_shapes_take_masks_as_rectangles(tmp_path):
+    world = gw.World(bounds=(0, 0, 6, 4), resolution=0.1)
+    path = mask(tmp_path, "keep", forbidden(40, 60, slice(0, 30), slice(28, 32)), 0.1)
+    kept = world.with_keep_out(path)
+    assert len(kept.shapes) == 1
+    query = gw.Query(kept, (1, 3), (5, 3), footprint={"disc": 0.2})
+    assert gw.plan(query).length > 4.5 > gw.plan(gw.Query(world, (1, 3), (5, 3))).length
+
+
+def test_speeds_are_percent_of_the_top_speed_as_nav2_has_them(tmp_path):
+    grey = np.full((20, 30), 255)
+    grey[:, 10:20] = 127  # value 50
+    path = mask(tmp_path, "slow", grey, 0.2, mode="scale")
+    speeds = gw.SpeedMap.load(path, 2.0)
+    assert speeds.at(1.0, 1.0) == np.inf and abs(speeds.at(3.0, 1.0) - 1.0) < 0.021 and speeds.at(-1, -1) == np.inf
+    assert abs(gw.SpeedMap.load(path, 2.0, base=0.0, multiplier=1.0).at(3.0, 1.0) - 1.0) < 0.021
+    grey[0, 0] = 0  # value 100: 0 percent
+    with pytest.raises(BadFile, match="0 percent"):
+        masks.speed_map(mask(tmp_path, "stop", grey, 0.2, mode="scale"), 2.0)
+    for bad in (np.zeros((2, 2)), np.full((2, 2), np.nan), np.ones(3)):
+        with pytest.raises(BadParameter):
+            gw.SpeedMap(bad)
+
+
+def test_plan_and_drive_keep_to_the_masks(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mask(tmp_path, "hall", np.full((60, 100), 255), 0.1)
+    mask(tmp_path, "keep", forbidden(60, 100, slice(20, 60), slice(45, 50)), 0.1)
+    grey = np.full((60, 100), 255)
+    grey[:, 60:80] = 76  # value 70: 30 percent
+    mask(tmp_path, "slow", grey, 0.1, mode="scale")
+    site = ["--keep-out", "keep.yaml", "--speed-mask", "slow.yaml"]
+    ends = ["--start", "1,1", "--goal", "9,1", "--footprint", "disc:0.25", "--clearance", "0.05"]
+    assert main(["plan", "hall.yaml", *ends, *site, "--out", "plan.json"]) == 0
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    speeds = gw.SpeedMap.load("slow.yaml", 1.0)
+    checks = {check["name"]: check for check in plan["certificate"]["checks"]}
+    assert checks["speed zones"]["ok"] and plan["metrics"]["length"] > 10 and plan["speed_mask"]["source"] == "slow.yaml"
+    assert plan["world"]["keep_out"][0]["source"] == "keep.yaml"
+    jsonschema.validate(plan, gw.schemas.load("plan"))
+    code = main(["drive", "plan.json", "--controller", "tracker", "--out", "run.json", "--report", "run.html"])
+    run = json.loads((tmp_path / "run.json").read_text())
+    assert code == 0 and run["outcome"] == "arrived" and run["trace"]["plans"][0]["reason"] == "start"
+    jsonschema.validate(run, gw.schemas.load("run"))
+    over = max(v - speeds.at(x, y) for _, x, y, _, v, _ in run["driven"])
+    assert over < 0.03 and max(row[4] for row in run["driven"]) > 0.7
+    assert not any(4.5 < x < 5.0 and y < 4.2 for _, x, y, *_ in run["driven"])
+    (tmp_path / "keep.pgm").write_bytes((tmp_path / "hall.pgm").read_bytes())
+    assert main(["drive", "plan.json"]) == 2 and "sha256" in capsys.readouterr().err
+
+
+def test_scenes_name_masks_and_the_order(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mask(tmp_path, "keep", forbidden(40, 60, slice(0, 30), slice(28, 32)), 0.1)
+    (tmp_path / "room.toml").write_text(
+        '[world]\nbounds = [0, 0, 6, 4]\nkeep_out = ["keep.yaml"]\n'
+        '[query]\nstart = [1, 3]\ngoal = [5, 3.5]\nvia = [[5, 1], [1, 1], [3, 0.5]]\norder = "best"\n[robot]\nfootprint = { disc = 0.2 }\n'
+    )
+    assert main(["plan", "room.toml", "--out", "plan.json"]) == 0
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    assert plan["tour"]["order"] == [1, 2, 0] and plan["query"]["via"] == [[1, 1], [3, 0.5], [5, 1]]
+    assert main(["plan", "room.toml", "--order", "given", "--out", "given.json"]) == 0
+    given = json.loads((tmp_path / "given.json").read_text())
+    assert "tour" not in given and given["search"]["raw_length"] > plan["search"]["raw_length"] + 1
+    (tmp_path / "bad.toml").write_text('[world]\nbounds = [0, 0, 6, 4]\nkeep_out = ["none.yaml"]\n')
+    assert main(["plan", "bad.toml", "--start", "1,1", "--goal", "2,2"]) == 2
+
+
+def test_the_tour_is_the_shortest_of_all_orders():
+    world = gw.World(bounds=(0, 0, 10, 8), shapes=[{"polygon": {"points": [[4, 0], [4.5, 0], [4.5, 6], [4, 6]]}}])
+    via = [(2, 6), (8, 1), (2, 1), (8, 6)]
+    ends = {"start": (1, 4), "goal": (9, 4), "footprint": {"disc": 0.3}}
+    found = gw.tour(gw.Query(world, **ends, via=via))
+    lengths = {order: gw.plan(gw.Query(world, **ends, via=[via[i] for i in order])).length for order in itertools.permutations(range(4))}
+    assert abs(found["length"] - min(lengths.values())) < 1e-6 and abs(lengths[tuple(found["order"])] - found["length"]) < 1e-6
+    assert found["bound"] == found["length"] and np.allclose(found["costs"], np.transpose(found["costs"]))
+
+
+def test_a_part_of_a_world_changes():
+    rng = np.random.default_rng(1)
+    blocked = rng.random((50, 70)) < 0.1
+    world = gw.World(blocked, 0.1)
+    world.clearance_field()
+    part = rng.random((10, 20)) < 0.5
+    changed = world.updated(part, row=30, column=15)
+    blocked[30:40, 15:35] = part
+    new = gw.World(blocked, 0.1)
+    assert (changed.occupancy() == new.occupancy()).all() and (changed.clearance_field() == new.clearance_field()).all()
+    for row, column in ((45, 0), (0, 60)):
+        with pytest.raises(BadParameter):
+            world.updated(part, row=row, column=column)

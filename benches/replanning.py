@@ -55,7 +55,7 @@ def timed(work: Callable[[], object]) -> float:
 
 
 def case(seed: int) -> tuple[float, float, float] | None:
-    """Seconds of each way, or None where the hall is no case."""
+    """Seconds of each way, or None where there is no way across the hall."""
     rng = np.random.default_rng(seed)
     blocked, gaps = hall(rng)
     world = gw.World(blocked, CELL)
@@ -64,22 +64,19 @@ def case(seed: int) -> tuple[float, float, float] | None:
     except gw.NoPath:
         return None
     world.clearance_field()
-    crossing = next(p for p in first.path.sample(2000) if p[0] >= 256 * CELL) if hasattr(first.path, "sample") else None
-    row = SIDE - 1 - int(12.8 / CELL) if crossing is None else SIDE - 1 - int(crossing[1] / CELL)
-    column, gap = min(gaps, key=lambda g: abs(g[1] + 16 - row))
-    here = (5.5, 12.8)
-    if not blocked[gap : gap + 32, column].any():
-        changed = blocked.copy()
-        changed[gap : gap + 32, column : column + 4] = True
-        part = np.ones((32, 4), bool)
-        near = timed(lambda: motion(query(world.updated(part, row=gap, column=column), here)))
-        anew = timed(lambda: motion(query(gw.World(changed, CELL), here)))
-        mover = {"shape": {"box": [0.6, 1.6]}, "track": [[0.0, (column + 2) * CELL, (SIDE - gap - 16) * CELL]], "loop": "once", "phase": 0.0}
-        moving = world.with_movers([{**mover, "appears": {"within": 3.0}}])
-        asked = query(moving, (1.5, 12.8))
-        run = gw.drive(asked, motion(asked), "tracker", seed=seed)
-        return near, anew, run["plan_seconds"]["p99"] if run["replans"] else float("nan")
-    return None
+    places = first.path.planar(np.linspace(0.0, first.path.length, 4000))
+    crossing = places[int(np.argmax(places[:, 0] >= 256 * CELL))]
+    column, gap = min(gaps, key=lambda g: abs(g[1] + 16 - (SIDE - crossing[1] / CELL)))
+    here = tuple(places[int(np.argmax(places[:, 0] >= 200 * CELL)), :2])
+    changed = blocked.copy()
+    changed[gap : gap + 32, column : column + 4] = True
+    part = np.ones((32, 4), bool)
+    near = timed(lambda: motion(query(world.updated(part, row=gap, column=column), here)))
+    anew = timed(lambda: motion(query(gw.World(changed, CELL), here)))
+    mover = {"shape": {"box": [0.6, 1.6]}, "track": [[0.0, (column + 2) * CELL, (SIDE - gap - 16) * CELL]], "loop": "once", "phase": 0.0}
+    asked = query(world.with_movers([{**mover, "appears": {"within": 3.0}}]), (1.5, 12.8))
+    run = gw.drive(asked, motion(asked), "tracker", seed=seed)
+    return near, anew, run["plan_seconds"]["p99"] if run["replans"] else float("nan")
 
 
 def main() -> None:

@@ -306,7 +306,12 @@ def time(
 def correct(path: Path, limits: Limits) -> dict[str, Any]: ...
 def ceiling(path: Path, limits: Limits) -> _Floats: ...
 def certify(
-    path: Path, query: Query, trajectory: Trajectory | None = None, *, max_curvature: float | None = None, step: float | None = None,
+    path: Path,
+    query: Query,
+    trajectory: Trajectory | None = None,
+    *,
+    max_curvature: float | None = None,
+    step: float | None = None,
     speed_map: SpeedMap | None = None,
 ) -> dict[str, Any]: ...
 def reference(query: Query, solution: Solution, *, observe: _Observer | None = None) -> dict[str, Any]: ...
@@ -330,6 +335,8 @@ def drive(
     trace: bool = False,
     speed_map: SpeedMap | None = None,
 ) -> dict[str, Any]: ...
+
+@final
 class SpeedMap:
     """How fast may be driven where: ``limits`` in m/s, infinite without one, (height, width), row 0 on top; outside its map there is no limit."""
 
@@ -340,6 +347,7 @@ class SpeedMap:
     @property
     def source(self) -> str | None: ...
 
+@final
 class Pilot:
     """Drives a robot along a motion in a control loop of your own: perception, planning and control behind :meth:`step`."""
 

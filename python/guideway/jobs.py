@@ -170,7 +170,7 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
 
 
 def world_record(world: _core.World, folder: str | os.PathLike[str], keep_out: Sequence[str] = ()) -> dict[str, Any]:
-    """The ``world`` of a record; files are named relative to ``folder`` where they can be. ``keep_out`` are the masks that were applied to its source."""
+    """The ``world`` of a record; files are named relative to ``folder`` where they can be. ``keep_out``: the masks applied to its source."""
     source = world.source
     if source is not None:
         plain, mark, number = source.partition("#")  # number N of a collection

@@ -48,7 +48,9 @@ def test_a_loop_of_ones_own_arrives():
     base = Base(1.0, 3.0)
     steps = loop(pilot, base, trajectory.duration + 4)
     assert math.dist(base.pose[:2], (9, 3)) < 0.1
-    assert pilot.replans == 0 and pilot.path[0].tolist() == [1.0, 3.0] and len(pilot.sub_goals) >= 2
+    assert pilot.replans == 0
+    assert pilot.path[0].tolist() == [1.0, 3.0]
+    assert len(pilot.sub_goals) >= 2
     assert steps[0]["sub_goal"] == pilot.sub_goals[0].tolist()
 
 
@@ -60,9 +62,11 @@ def test_a_parked_obstacle_is_planned_around_and_told_in_events():
     parked = {"position": (5.0, 3.0), "shape": {"disc": 0.4}}
     steps = loop(pilot, base, 30, [parked])
     kinds = [event["kind"] for step in steps for event in step["events"]]
-    assert pilot.replans >= 1 and {"stop", "blocked", "tabu", "replan", "go"} <= set(kinds)
+    assert pilot.replans >= 1
+    assert {"stop", "blocked", "tabu", "replan", "go"} <= set(kinds)
     assert math.dist(base.pose[:2], (9, 3)) < 0.1
-    assert any(step["stop"] and "mover 0" in step["stop"] for step in steps) and steps[0]["tracks"] == [[5.0, 3.0, 0.4, 0.0, 0.0]]
+    assert any(step["stop"] and "mover 0" in step["stop"] for step in steps)
+    assert steps[0]["tracks"] == [[5.0, 3.0, 0.4, 0.0, 0.0]]
 
 
 def test_override_stop_and_go():
@@ -92,7 +96,9 @@ def test_scans_instead_of_tracks_and_a_lidar_that_goes_silent():
     steps = [pilot.step(0.05 * k, (1, 3, 0), 0, 0, scan=nothing) for k in range(4)]
     assert steps[-1]["stop"] is None
     silent = [pilot.step(0.2 + 0.05 * k, (1, 3, 0), 0, 0) for k in range(20)]
-    assert silent[0]["stop"] is None and silent[-1]["stop"] == "nothing is seen" and silent[-1]["v"] == 0.0
+    assert silent[0]["stop"] is None
+    assert silent[-1]["stop"] == "nothing is seen"
+    assert silent[-1]["v"] == 0.0
     broken = pilot.step(2.0, (1, 3, 0), 0, 0, scan=np.full(90, np.nan))
     assert broken["stop"] == "nothing is seen"
 

@@ -40,7 +40,7 @@ impl SpeedMap {
         speed: f64,
         options: Option<&Bound<'py, pyo3::types::PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        py.import("guideway.io.masks")?.getattr("speed_map")?.call((path, speed), options)
+        py.import("guideway.site_rules")?.getattr("speed_map")?.call((path, speed), options)
     }
 
     /// Largest speed at a point, m/s; infinite without a limit.

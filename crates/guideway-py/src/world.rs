@@ -95,7 +95,7 @@ impl World {
     /// The same world without the areas that a keep-out mask forbids: a map_server file, or a bool array of shape (height, width), row 0 on top, that lies like the
     /// world's own map. A cell that a forbidden one touches is blocked; cells that the mask does not know are not.
     fn with_keep_out<'py>(slf: &Bound<'py, Self>, mask: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("guideway.io.masks")?.getattr("with_keep_out")?.call1((slf, mask))
+        slf.py().import("guideway.site_rules")?.getattr("with_keep_out")?.call1((slf, mask))
     }
 
     /// Exact distance from every cell's centre to the nearest static obstacle, m, shape (height, width), row 0 on top; infinite without obstacles.

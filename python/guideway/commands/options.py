@@ -79,8 +79,12 @@ def add_method(parser: argparse.ArgumentParser) -> None:
 def add_site(parser: argparse.ArgumentParser) -> None:
     """Masks of site rules."""
     group = parser.add_argument_group("site rules")
-    group.add_argument("--keep-out", metavar="FILE", action="append", default=[], help="a map_server mask: black areas are forbidden; may be repeated")
-    group.add_argument("--speed-mask", metavar="FILE", help="a map_server mask as for Nav2's speed filter: the darker, the slower, in percent of the top speed")
+    group.add_argument(
+        "--keep-out", metavar="FILE", action="append", default=[], help="a map_server mask: black areas are forbidden; may be repeated"
+    )
+    group.add_argument(
+        "--speed-mask", metavar="FILE", help="a map_server mask as for Nav2's speed filter: the darker, the slower, in percent of the top speed"
+    )
 
 
 def count(name: str, value: int | None) -> None:

@@ -1,27 +1,21 @@
-"""Site rules as masks over a map: where a robot must not go, and where how fast it may go.
+"""Masks of site rules: where a robot must not go, and where how fast it may go.
 
 The masks are those of Nav2's costmap filters (https://docs.nav2.org, keepout filter and speed filter): map_server files of their own
-resolution and origin. A keep-out mask forbids where its value is 100. A speed mask allows ``base + multiplier * value`` percent of the top speed
-where its value is above 0; Nav2's own files have base 100 and multiplier -1, so that darker is slower. Values that are unknown say nothing.
+resolution and origin. What their values mean is said in :mod:`guideway.site_rules`.
 """
 
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from guideway.errors import BadFile, BadParameter
 from guideway.io.files import MAX_TEXT, load
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from guideway._core import SpeedMap, World
     from guideway.io.map_server import Header
-
-MAX_RATIO = 64
-"""A mask's cell may be so many times as long as one of the map."""
 
 
 def read_mask(path: str | os.PathLike[str]) -> tuple[NDArray[np.int8], Header, dict[str, str]]:
@@ -33,122 +27,3 @@ def read_mask(path: str | os.PathLike[str]) -> tuple[NDArray[np.int8], Header, d
     header = read_header(blob)
     image = _image(blob.path, header.image)
     return occupancy(decode(image), header), header, {blob.path.name: blob.sha256, header.image: image.sha256}
-
-
-def speed_map(path: str | os.PathLike[str], speed: float, *, base: float = 100.0, multiplier: float = -1.0) -> SpeedMap:
-    """The speeds that a mask allows a robot whose top speed is ``speed`` (m/s).
-
-    Raises :class:`BadFile` where a value stands for no speed at all: that is what a keep-out mask says.
-    """
-    import numpy as np
-
-    from guideway._core import SpeedMap
-
-    values, header, _ = read_mask(path)
-    shares = (base + multiplier * values.astype(float)) / 100.0
-    limited = values > 0
-    if (shares[limited] <= 0.0).any():
-        where = tuple(int(i) for i in np.argwhere(limited & (shares <= 0.0))[0])
-        what = f"value {values[where]} in row {where[0]}, column {where[1]} allows {100 * shares[where]:g} percent of the speed"
-        raise BadFile(os.fspath(path), what, "more than 0 percent", "Forbid areas by a keep-out mask")
-    limits = np.where(limited, np.minimum(shares, 1.0) * speed, np.inf)
-    return SpeedMap(limits, header.resolution, header.origin, source=os.fspath(path))
-
-
-def with_keep_out(world: World, mask: str | os.PathLike[str] | NDArray[np.bool_]) -> World:
-    """``world`` without what a mask forbids; see ``World.with_keep_out``."""
-    import numpy as np
-
-    if isinstance(mask, (str, os.PathLike)):
-        values, header, _ = read_mask(mask)
-        forbidden, resolution, origin = values == 100, header.resolution, header.origin
-    else:
-        forbidden, resolution, origin = np.asarray(mask, bool), world.resolution, world.origin
-        if forbidden.shape != (world.height, world.width):
-            raise BadParameter(f"keep-out mask of shape {forbidden.shape}: an array must have that of the map, ({world.height}, {world.width})")
-    corners = _corners(forbidden, resolution, origin)
-    known = world.occupancy()
-    if known is None:
-        return _with_polygons(world, forbidden, resolution, origin)
-    blocked = known != 0
-    _block(blocked, corners, world)
-    return _core_world(world, blocked=blocked, unknown=(known == 2) if (known == 2).any() else None)
-
-
-def _corners(forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]) -> NDArray[np.float64]:
-    """The four corners of every forbidden cell, m, shape (n, 4, 2)."""
-    import numpy as np
-
-    rows, columns = np.nonzero(forbidden)
-    height = forbidden.shape[0]
-    low = np.stack([columns, height - 1 - rows], axis=1).astype(float)
-    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
-    return _to_map(low[:, None, :] + square[None], resolution, origin)
-
-
-def _to_map(cells: NDArray[np.float64], resolution: float, origin: tuple[float, float, float]) -> NDArray[np.float64]:
-    import numpy as np
-
-    x, y, yaw = origin
-    c, s = np.cos(yaw), np.sin(yaw)
-    scaled = cells * resolution
-    return np.stack([x + c * scaled[..., 0] - s * scaled[..., 1], y + s * scaled[..., 0] + c * scaled[..., 1]], axis=-1)
-
-
-def _block(blocked: NDArray[np.bool_], corners: NDArray[np.float64], world: World) -> None:
-    """Blocks every cell of a map that the box around a forbidden cell meets."""
-    import numpy as np
-
-    x, y, yaw = world.origin
-    c, s = np.cos(yaw), np.sin(yaw)
-    d = (corners - np.array([x, y])) / world.resolution
-    cells = np.stack([c * d[..., 0] + s * d[..., 1], c * d[..., 1] - s * d[..., 0]], axis=-1)
-    # A mask that lies like the map must not spill over by rounding.
-    low = np.floor(cells.min(axis=1) + 1e-6).astype(np.int64)
-    high = np.ceil(cells.max(axis=1) - 1e-6).astype(np.int64) - 1
-    across = int((high - low).max(initial=0)) + 1
-    if across > MAX_RATIO:
-        raise BadParameter(f"a cell of the keep-out mask covers {across} cells of the map: at most {MAX_RATIO} are accepted")
-    height, width = blocked.shape
-    for dy in range(across):
-        for dx in range(across):
-            px, py = low[:, 0] + dx, low[:, 1] + dy
-            inside = (px <= high[:, 0]) & (py <= high[:, 1]) & (px >= 0) & (py >= 0) & (px < width) & (py < height)
-            blocked[height - 1 - py[inside], px[inside]] = True
-
-
-def _with_polygons(world: World, forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]) -> World:
-    """A world of shapes with a rectangle for each run of forbidden cells; equal runs in rows after each other are one."""
-    import numpy as np
-
-    height = forbidden.shape[0]
-    open_runs: dict[tuple[int, int], int] = {}
-    boxes: list[tuple[int, int, int, int]] = []
-    for row in range(height + 1):
-        line = forbidden[row] if row < height else np.zeros(forbidden.shape[1], bool)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(np.int8)))
-        runs = {(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)}
-        for run in [run for run in open_runs if run not in runs]:
-            boxes.append((run[0], height - row, run[1], height - open_runs.pop(run)))
-        for run in runs:
-            open_runs.setdefault(run, row)
-    rectangles = [np.array([[a, low], [b, low], [b, high], [a, high]], float) for a, low, b, high in boxes]
-    shapes = [{"polygon": {"points": _to_map(box, resolution, origin).tolist()}} for box in rectangles]
-    return _core_world(world, bounds=world.bounds, more=shapes)
-
-
-def _core_world(world: World, more: list[dict[str, Any]] | None = None, **kind: Any) -> World:
-    """A world like another in all but its map or its shapes."""
-    from guideway._core import World
-
-    origin = {} if "bounds" in kind else {"origin": world.origin}
-    return World(
-        **kind,
-        **origin,
-        resolution=world.resolution,
-        shapes=[*world.shapes, *(more or [])],
-        movers=world.movers,
-        source=world.source,
-        sha256=world.sha256,
-        files=world.files,
-    )

@@ -102,6 +102,10 @@ def scene_toml(item: GridMap | Scene, target: Path) -> str:
             world["thresholds"] = grid.thresholds
     else:
         world = {"bounds": item.bounds, "resolution": item.resolution}
+    if scene is not None and scene.keep_out:
+        world["keep_out"] = [os.path.relpath(mask, target.parent or ".") for mask in scene.keep_out]
+    if scene is not None and scene.speed_mask is not None:
+        world["speed_mask"] = os.path.relpath(scene.speed_mask, target.parent or ".")
     parts = [_table("[world]", world)]
     if scene is not None:
         parts += [_table(f"[[{kind}]]", fields) for shape in scene.shapes for kind, fields in shape.to_dict().items() if isinstance(fields, dict)]
@@ -117,7 +121,7 @@ def _settings(scene: Scene) -> list[str]:
     if scene.lidar is not None:
         parts.append(_table("[lidar]", vars(scene.lidar)))
     if (query := scene.query) is not None:
-        fields = {key: value for key, value in vars(query).items() if not key.endswith("_yaw")}
+        fields = {key: value for key, value in vars(query).items() if not key.endswith("_yaw") and key != "stop"}
         for key, point, yaw in (("start", query.start, query.start_yaw), ("goal", query.goal, query.goal_yaw)):
             fields[key] = None if point is None else [*point, *([] if yaw is None else [yaw])]
         fields["via"] = query.via or None

@@ -2,7 +2,7 @@
 
 use super::{CostToGo, Course};
 use crate::Point;
-use crate::world::shape::{distance, point_segment, sub};
+use crate::world::shape::{distance, point_segment};
 use std::sync::Arc;
 
 /// The path stays within this of the chain of its turning points, m.
@@ -11,6 +11,10 @@ const BEND: f64 = 0.1;
 const APART: f64 = 0.05;
 /// A sub-goal this near is reached, m.
 const REACHED: f64 = 0.5;
+/// The robot is projected on the path so far before and beyond a sub-goal, m.
+const AROUND: f64 = 2.0;
+/// It is before a sub-goal again once it is so much before it, m: noise makes no passing.
+const BACK: f64 = 0.3;
 /// One passed at a greater distance is missed, m.
 const MISSED: f64 = 1.0;
 
@@ -28,24 +32,25 @@ pub struct Guide {
 impl Guide {
     /// A motion with its turning points, without cost-to-go.
     pub fn along(course: Arc<Course>) -> Self {
-        Self { sub_goals: turning_points(&course), course, to_go: None }
+        Self { sub_goals: corners(&course).into_iter().map(|c| c.0).collect(), course, to_go: None }
     }
 }
 
-/// Corners of the chain of fewest splits from which the path of a course is nowhere farther than 0.1 m, the start left out, the end last.
-fn turning_points(course: &Course) -> Vec<Point> {
-    let mut points: Vec<Point> = Vec::new();
+/// Corners of the chain of fewest splits from which the path of a course is nowhere farther than 0.1 m, with their arc lengths (m); the start left out, the
+/// end last.
+fn corners(course: &Course) -> Vec<(Point, f64)> {
+    let mut points: Vec<(Point, f64)> = Vec::new();
     for state in course.states() {
         let p = [state.pose[0], state.pose[1]];
-        if points.last().is_none_or(|last| distance(*last, p) >= APART) {
-            points.push(p);
+        if points.last().is_none_or(|last| distance(last.0, p) >= APART) {
+            points.push((p, state.s));
         }
     }
-    let end = course.end().pose;
-    points.push([end[0], end[1]]);
+    let end = course.end();
+    points.push(([end.pose[0], end.pose[1]], end.s));
     let (mut kept, mut spans) = (Vec::new(), vec![(0, points.len() - 1)]);
     while let Some((a, b)) = spans.pop() {
-        let off = |k: &usize| point_segment(points[*k], points[a], points[b]);
+        let off = |k: &usize| point_segment(points[*k].0, points[a].0, points[b].0);
         match (a + 1..b).max_by(|i, k| off(i).total_cmp(&off(k))).filter(|k| off(k) > BEND) {
             Some(k) => spans.extend([(k, b), (a, k)]),
             None => kept.push(points[b]),
@@ -68,14 +73,14 @@ pub enum Passing {
 /// Which sub-goal comes next.
 ///
 /// Source: \[lu2025\]: switched within 0.5 m or when the projection of the robot on the path has passed it. One that was missed stays the next until the robot
-/// is nearer to the one after it.
+/// has passed the one after it.
 #[derive(Debug, Clone)]
 pub struct SubGoals {
-    places: Vec<Point>,
-    /// Unit vectors of the path on the way to them.
-    along: Vec<Point>,
+    course: Arc<Course>,
+    /// Places and their arc lengths, m.
+    places: Vec<(Point, f64)>,
     next: usize,
-    /// Was the robot before the line across the path at the sub-goal?
+    /// Was the robot clearly before the sub-goal since it last passed it?
     before: bool,
     misses: u32,
 }
@@ -83,48 +88,34 @@ pub struct SubGoals {
 impl SubGoals {
     /// Those of a guide, from its start on.
     pub fn new(guide: &Guide) -> Self {
-        let start = guide.course.start().pose;
-        let start = [start[0], start[1]];
-        let from = std::iter::once(&start).chain(&guide.sub_goals);
-        let unit = |(a, b): (&Point, &Point)| {
-            let (d, l) = (sub(*b, *a), distance(*a, *b).max(1e-12));
-            [d[0] / l, d[1] / l]
-        };
-        let along = from.zip(&guide.sub_goals).map(unit).collect();
-        Self { places: guide.sub_goals.clone(), along, next: 0, before: true, misses: 0 }
+        Self { places: corners(&guide.course), course: Arc::clone(&guide.course), next: 0, before: true, misses: 0 }
     }
 
     /// The next one, m; the last stays for good. `None` without any.
     pub fn next(&self) -> Option<Point> {
-        self.places.get(self.next).copied()
+        self.places.get(self.next).map(|place| place.0)
     }
 
-    /// The robot is at `p` (m) now.
-    pub fn advance(&mut self, p: Point) -> Passing {
-        let last = self.places.len().saturating_sub(1);
-        if self.next >= last {
+    /// The robot is at `p` (m) now and has come to arc length `s` (m).
+    pub fn advance(&mut self, p: Point, s: f64) -> Passing {
+        let Some(&(_, after)) = self.places.get(self.next + 1) else { return Passing::Ahead };
+        let (goal, at) = self.places[self.next];
+        if s + AROUND < at {
+            self.before = true;
             return Passing::Ahead;
         }
-        let (off, ahead) = self.place(self.next, p);
-        let crossed = std::mem::replace(&mut self.before, ahead > 0.0) && ahead <= 0.0;
-        let lateral = (off * off - ahead * ahead).max(0.0).sqrt();
-        let beyond = off > MISSED && self.place(self.next + 1, p).0 < off.min(distance(self.places[self.next], self.places[self.next + 1]));
-        if off <= REACHED || (crossed && lateral <= MISSED) || (beyond && !crossed && ahead <= 0.0) {
-            (self.next, self.misses) = (self.next + 1, 0);
-            self.before = self.place(self.next, p).1 > 0.0;
+        let (here, off) = self.course.project(p, at - AROUND, at + AROUND);
+        self.before |= here < at - BACK;
+        let passed = self.before && here >= at - APART;
+        if distance(p, goal) <= REACHED || s >= after || (passed && off <= MISSED) {
+            (self.next, self.misses, self.before) = (self.next + 1, 0, true);
             return Passing::Reached;
         }
-        if crossed {
-            self.misses += 1;
+        if passed {
+            (self.misses, self.before) = (self.misses + 1, false);
             return Passing::Missed(self.misses);
         }
         Passing::Ahead
-    }
-
-    /// Distance to a sub-goal and how far it lies ahead along its path, m.
-    fn place(&self, i: usize, p: Point) -> (f64, f64) {
-        let to = sub(self.places[i], p);
-        (to[0].hypot(to[1]), to[0] * self.along[i][0] + to[1] * self.along[i][1])
     }
 }
 
@@ -149,18 +140,31 @@ mod tests {
     #[test]
     fn sub_goals_are_reached_passed_or_missed() {
         let guide = guide(&[[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [9.0, 4.0]]);
-        let mut all = SubGoals::new(&guide);
-        assert_eq!(all.advance([1.0, 0.0]), Passing::Ahead);
         let nearly = |next: Option<Point>, p: Point| next.is_some_and(|q| distance(p, q) < 0.06);
-        assert!(all.advance([4.6, 0.2]) == Passing::Reached && nearly(all.next(), [5.0, 4.0]));
-        assert_eq!((all.advance([5.8, 3.9]), all.advance([5.8, 4.1])), (Passing::Ahead, Passing::Reached), "passed beside it");
-        assert!(all.advance([9.0, 4.0]) == Passing::Ahead && nearly(all.next(), [9.0, 4.0]), "the goal stays");
+        let mut all = SubGoals::new(&guide);
+        assert_eq!(all.advance([1.0, 0.0], 1.0), Passing::Ahead);
+        assert!(all.advance([4.6, 0.2], 4.6) == Passing::Reached && nearly(all.next(), [5.0, 4.0]));
+        assert_eq!((all.advance([5.8, 3.4], 8.4), all.advance([5.8, 4.1], 9.8)), (Passing::Ahead, Passing::Reached), "passed beside it");
+        assert!(all.advance([9.0, 4.0], 13.0) == Passing::Ahead && nearly(all.next(), [9.0, 4.0]), "the goal stays");
         let mut all = SubGoals::new(&guide);
         for round in 1..=3 {
-            assert_eq!(all.advance([4.9, -1.5]), Passing::Ahead);
-            assert_eq!(all.advance([5.1, -1.5]), Passing::Missed(round));
-            assert_eq!(all.advance([5.1, -1.6]), Passing::Ahead);
+            assert_eq!(all.advance([4.5, -1.5], 5.0), Passing::Ahead);
+            assert_eq!(all.advance([5.1, -1.5], 5.0), Passing::Missed(round));
+            assert_eq!((all.advance([4.98, -1.5], 5.0), all.advance([5.02, -1.5], 5.0)), (Passing::Ahead, Passing::Ahead), "noise");
         }
-        assert!(all.advance([5.6, 3.0]) == Passing::Reached && nearly(all.next(), [5.0, 4.0]), "the one after it is nearer");
+        assert!(all.advance([6.5, 4.5], 9.1) == Passing::Reached && nearly(all.next(), [5.0, 4.0]), "the one after it was passed");
+    }
+
+    #[test]
+    fn a_leg_beside_another_passes_no_sub_goal_of_it() {
+        let guide = guide(&[[0.0, 0.0], [8.0, 0.0], [8.0, 1.5], [4.0, 1.5], [4.0, 6.0]]);
+        let mut all = SubGoals::new(&guide);
+        let mut missed = 0;
+        for k in 0..=175 {
+            let s = 0.1 * f64::from(k);
+            let pose = guide.course.at_length(s).pose;
+            missed += u32::from(matches!(all.advance([pose[0], pose[1]], s), Passing::Missed(_)));
+        }
+        assert!(missed == 0 && distance(all.next().unwrap(), [4.0, 6.0]) < 0.06);
     }
 }

@@ -132,8 +132,7 @@ pub struct Observation {
     pub known: Option<Arc<World>>,
     /// The newest scan, where there is a lidar.
     pub scan: Option<Arc<Scan>>,
-    /// Share of the planned speed to drive at, 0 to 1; it changes within the limits of acceleration and jerk. Speeds above this share of the top speed are scaled
-    /// down after the decision.
+    /// Share of the planned speed to drive at, 0 to 1; it changes within the limits of acceleration and jerk. See [`Observation::within`].
     pub share: f64,
     /// Largest speed allowed here, m/s.
     pub top: f64,
@@ -143,6 +142,20 @@ impl Observation {
     /// A robot that knows its map and sees no movers.
     pub fn new(time: f64, pose: [f64; 3], v: f64, w: f64) -> Self {
         Self { time, pose, v, w, tracks: Vec::new(), age: 0.0, known: None, scan: None, share: 1.0, top: f64::INFINITY }
+    }
+
+    /// A command within the share and the speed that are allowed: slower on the same arc, in place a slower turn. Doing it twice changes nothing.
+    pub fn within(&self, robot: &Robot, command: Command) -> Command {
+        let most = (self.share * robot.speed).min(self.top).max(0.0);
+        if command.v.abs() > most {
+            let slow = most / command.v.abs();
+            return Command { v: most.copysign(command.v), w: command.w * slow };
+        }
+        if command.v == 0.0 {
+            let rate = self.share.max(0.0) * robot.turn_rate;
+            return Command { v: 0.0, w: command.w.clamp(-rate, rate) };
+        }
+        command
     }
 }
 

@@ -169,7 +169,7 @@ impl<'a> Navigator<'a> {
 
     /// Passing of sub-goals.
     fn missed(&mut self, p: Point, seen: &Observation, ctx: &Context) -> bool {
-        let Passing::Missed(times) = self.sub_goals.advance(p) else { return false };
+        let Passing::Missed(times) = self.sub_goals.advance(p, self.s) else { return false };
         self.event(seen.time, "sub-goal missed", format!("{times} in a row"));
         times >= MISSES && self.due(seen.time, RETRY) && self.replan(&format!("a sub-goal was missed {times} times"), Need::Must, seen, ctx)
     }

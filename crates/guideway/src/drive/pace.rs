@@ -16,8 +16,6 @@ pub(super) struct Pace {
     pub now: f64,
     /// Its rate, 1/s.
     rate: f64,
-    /// Top speed, m/s.
-    pub speed: f64,
     /// Limits of the rate, falling and rising, 1/s, and of its change, 1/s2.
     limits: [f64; 2],
     jerk: f64,
@@ -27,7 +25,7 @@ pub(super) struct Pace {
 impl Pace {
     pub fn new(robot: &Robot, jerk: f64) -> Self {
         let limits = [robot.deceleration / robot.speed, robot.acceleration / robot.speed];
-        Self { share: 1.0, held: false, now: 1.0, rate: 0.0, speed: robot.speed, limits, jerk: jerk / robot.speed, time: None }
+        Self { share: 1.0, held: false, now: 1.0, rate: 0.0, limits, jerk: jerk / robot.speed, time: None }
     }
 
     /// The share at time `t`, s.

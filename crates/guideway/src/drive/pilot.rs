@@ -43,7 +43,7 @@ pub struct Pilot<'a> {
     blind: bool,
     pace: Pace,
     speed_map: Option<Arc<SpeedMap>>,
-    deceleration: f64,
+    robot: Robot,
 }
 
 impl<C: Controller + ?Sized> Controller for &mut C {
@@ -78,7 +78,7 @@ impl<'a> Pilot<'a> {
             blind: false,
             pace: Pace::new(robot, trajectory.limits.jerk),
             speed_map: None,
-            deceleration: robot.deceleration,
+            robot: robot.clone(),
         })
     }
 
@@ -178,14 +178,9 @@ impl<'a> Pilot<'a> {
     /// A decision within the speed that is allowed: slower on the same arc where the controller has not done so itself.
     fn paced(&self, decision: Decision, seen: &Observation) -> Decision {
         match decision {
-            Decision::Stop(_) => decision,
             _ if self.pace.held && seen.share <= 0.0 => Decision::Stop(Reason::new("held")),
-            Decision::Drive(command) => {
-                let most = (seen.share * self.pace.speed).min(seen.top).max(1e-9);
-                let slow = if command.v > 0.0 { (command.v / most).max(1.0).recip() } else { seen.share };
-                Decision::Drive(Command { v: command.v * slow, w: command.w * slow })
-            }
-            Decision::Replan(_) => decision,
+            Decision::Drive(command) => Decision::Drive(seen.within(&self.robot, command)),
+            other => other,
         }
     }
 
@@ -194,13 +189,13 @@ impl<'a> Pilot<'a> {
         let Some(map) = &self.speed_map else { return f64::INFINITY };
         let p = [seen.pose[0], seen.pose[1]];
         let course = &self.guide().course;
-        let reach = seen.v * seen.v / (2.0 * self.deceleration) + AHEAD * seen.v.abs();
+        let reach = seen.v * seen.v / (2.0 * self.robot.deceleration) + AHEAD * seen.v.abs();
         let n = (reach / (0.5 * map.resolution())).ceil().clamp(1.0, 1e4);
         let ahead = |k: u32| {
             let d = reach * f64::from(k) / n;
             let pose = course.at_length(self.navigator.reached() + d).pose;
             let limit = map.around([pose[0], pose[1]]);
-            (limit * limit + 2.0 * self.deceleration * (d - AHEAD * seen.v.abs()).max(0.0)).sqrt()
+            (limit * limit + 2.0 * self.robot.deceleration * (d - AHEAD * seen.v.abs()).max(0.0)).sqrt()
         };
         (1..=n as u32).map(ahead).fold(map.around(p), f64::min)
     }

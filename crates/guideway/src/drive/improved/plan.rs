@@ -171,8 +171,9 @@ impl Planning {
             && seen.time < until - 1e-9
         {
             let (v, w) = predictor.wanted(way, &start);
-            if self.allowed(&guard, Command { v, w }).is_ok() {
-                return Decision::Drive(Command { v, w });
+            let command = seen.within(robot, Command { v, w });
+            if self.allowed(&guard, command).is_ok() {
+                return Decision::Drive(command);
             }
         }
         let firsts = self.firsts();
@@ -190,14 +191,14 @@ impl Planning {
         for &i in &plans.best {
             let way = firsts[plans.node(i).first];
             let (v, w) = predictor.wanted(way, start);
-            let command = Command { v, w };
+            let command = seen.within(&self.setup.robot, Command { v, w });
             match self.allowed(guard, command) {
                 Err(met) => refused = refused.or(Some(met)),
                 Ok(rest) => {
                     self.sketch.chosen = plans.line(i);
                     self.sketch.discs = predictor.field.discs(rest);
                     self.last.side = Some(way.side());
-                    if v.abs() < NOTHING[0] && w.abs() < NOTHING[1] {
+                    if command.v.abs() < NOTHING[0] && command.w.abs() < NOTHING[1] {
                         self.held = None;
                         return Decision::Stop(why(refused.or(planned).or(plans.node(i).met), seen));
                     }

@@ -1,8 +1,9 @@
 """Tours through four targets of the 30 x 30 stand-in, static and among movers:
 ``python experiments/driving/tour.py [--seeds 30] [--docs]``.
 
-Targets 1, 2, 3, 4 in fixed order and in the best one. The moving version: three discs of radius 0.3 to 0.5 m that cross the path at 30, 50 and 70 % of its
-length at 0.2 to 0.6 m/s, and one that appears on it when the robot is 3 m away. The robot: a disc of 0.25 m, 1 m/s, 1 m/s2, 2 rad/s, 4 rad/s2.
+Targets 1, 2, 3, 4 in fixed order and in the best one. The moving version: three discs of radius 0.3 to 0.5 m that cross the path at 30, 50 and
+70 % of its length at 0.2 to 0.6 m/s, and one that appears on it when the robot is 3 m away.
+The robot: a disc of 0.25 m, 1 m/s, 1 m/s2, 2 rad/s, 4 rad/s2.
 """
 
 from __future__ import annotations

@@ -20,7 +20,6 @@ use serde_json::json;
 /// Returns `ok`, `collision_free`, `step` (m), `min_clearance` (m) and `checks`: name, ok, worst, limit, at. A curvature above `max_curvature` (1/m) is
 /// reported in its check (`reported` true) and does not make the certificate fail: there is not always room for a gentle bend.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 #[pyo3(signature = (path, query, trajectory=None, *, max_curvature=None, step=None, speed_map=None))]
 pub fn certify<'py>(
     py: Python<'py>,

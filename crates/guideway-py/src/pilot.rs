@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// Drives a robot along a motion in a control loop of your own: perception, planning and control behind `step`.
 ///
 /// It follows `trajectory`, made for `query`, with one of :func:`controllers`; `set` holds the controller's parameters. Where the way is blocked `planner` plans anew.
-/// With `lidar` (a dictionary or :class:`Lidar`: beams, field_of_view in rad, range in m, noise in m, rate in Hz) steps take scans instead of tracks; with `map="none"` the
+/// With `lidar` (a dictionary or :class:`Lidar`: beams, `field_of_view` in rad, range in m, noise in m, rate in Hz) steps take scans instead of tracks; with `map="none"` the
 /// world of the query gives the bounds only. `speed_map` (:class:`SpeedMap`) says how fast may be driven where.
 #[pyclass(frozen, module = "guideway")]
 pub struct Pilot {

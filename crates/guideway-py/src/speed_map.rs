@@ -31,7 +31,7 @@ impl SpeedMap {
         Ok(Self { inner: Arc::new(world::SpeedMap::new(&values, size, resolution, origin).or_py(py)?), source })
     }
 
-    /// Reads a map_server mask as Nav2's speed filter does in percent: 0 and unknown cells are free, others allow `base + multiplier * value` percent of `speed` (m/s).
+    /// Reads a `map_server` mask as Nav2's speed filter does in percent: 0 and unknown cells are free, others allow `base + multiplier * value` percent of `speed` (m/s).
     #[staticmethod]
     #[pyo3(signature = (path, speed, **options))]
     fn load<'py>(

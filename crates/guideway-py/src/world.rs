@@ -92,7 +92,7 @@ impl World {
         Ok(Self { inner: Arc::new(inner), source: None, sha256: None, files: BTreeMap::new() })
     }
 
-    /// The same world without the areas that a keep-out mask forbids: a map_server file, or a bool array of shape (height, width), row 0 on top, that lies like the
+    /// The same world without the areas that a keep-out mask forbids: a `map_server` file, or a bool array of shape (height, width), row 0 on top, that lies like the
     /// world's own map. A cell that a forbidden one touches is blocked; cells that the mask does not know are not.
     fn with_keep_out<'py>(slf: &Bound<'py, Self>, mask: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("guideway.site_rules")?.getattr("with_keep_out")?.call1((slf, mask))

@@ -192,8 +192,8 @@ impl<'a> Navigator<'a> {
             return false;
         }
         self.known = Some(Arc::clone(known));
-        if let Some(at) = self.obstructed(known, [seen.pose[0], seen.pose[1]]) {
-            let found = self.replan(&format!("the way is blocked at ({:.2}, {:.2})", at[0], at[1]), Need::Must, seen, ctx);
+        if let Some([x, y]) = self.obstructed(known, [seen.pose[0], seen.pose[1]]) {
+            let found = self.replan(&format!("the way is blocked at ({x:.2}, {y:.2})"), Need::Must, seen, ctx);
             self.lost = !found;
             return found;
         }

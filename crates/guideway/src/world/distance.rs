@@ -145,9 +145,9 @@ impl SquareField {
         if set.is_empty() {
             Self::Empty
         } else if set.width().max(set.height()) <= SHORT_SIDE {
-            Self::Short(Squares::of(set, vec![0; cells_of(set)], &[0..set.height()]))
+            Self::Short(Squares::of(set, vec![0; cells_of(set)], std::iter::once(0..set.height())))
         } else {
-            Self::Long(Squares::of(set, vec![0; cells_of(set)], &[0..set.height()]))
+            Self::Long(Squares::of(set, vec![0; cells_of(set)], std::iter::once(0..set.height())))
         }
     }
     /// The field of `set` where this is the one of `before`, which differs in the cells `changed`. Only rows that a changed cell can be nearest to are computed.
@@ -156,8 +156,8 @@ impl SquareField {
         match self {
             _ if set.is_empty() => Self::Empty,
             Self::Empty => Self::new(set),
-            Self::Short(all) => Self::Short(Squares::of(set, all.clone(), &rows())),
-            Self::Long(all) => Self::Long(Squares::of(set, all.clone(), &rows())),
+            Self::Short(all) => Self::Short(Squares::of(set, all.clone(), rows())),
+            Self::Long(all) => Self::Long(Squares::of(set, all.clone(), rows())),
         }
     }
     /// Distance of the cell with that index, cells.
@@ -182,7 +182,7 @@ struct Squares<T> {
 
 impl<T: Copy + Default + From<u16> + TryFrom<u64>> Squares<T> {
     /// Fills these rows of `out`.
-    fn of(set: &Bits, out: Vec<T>, rows: &[Range<u32>]) -> Vec<T> {
+    fn of(set: &Bits, out: Vec<T>, rows: impl IntoIterator<Item = Range<u32>>) -> Vec<T> {
         let width = set.width() as usize;
         let mut sink = Self { width, out, borders: vec![0; width + 1] };
         for part in rows {

@@ -34,7 +34,7 @@ impl SpeedMap {
             ));
         }
         // Rounded towards zero, so that what keeps the rounded limit keeps the limit.
-        let limits: Vec<f32> = limits.iter().map(|v| if (*v as f32 as f64) > *v { (*v as f32).next_down() } else { *v as f32 }).collect();
+        let limits: Vec<f32> = limits.iter().map(|v| if f64::from(*v as f32) > *v { (*v as f32).next_down() } else { *v as f32 }).collect();
         let around = (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| {
             let rows = y.saturating_sub(1)..=(y + 1).min(h - 1);
             let least = |y: usize| limits[y * w + x.saturating_sub(1)..=y * w + (x + 1).min(w - 1)].iter().copied().fold(f32::INFINITY, f32::min);

@@ -48,7 +48,8 @@ def with_keep_out(world: World, mask: str | os.PathLike[str] | NDArray[np.bool_]
         values, header, _ = read_mask(mask)
         forbidden, resolution, origin = values == 100, header.resolution, header.origin
     else:
-        forbidden, resolution, origin = np.asarray(mask, bool), world.resolution, world.origin
+        x, y, yaw = world.origin
+        forbidden, resolution, origin = np.asarray(mask, bool), world.resolution, (x, y, yaw)
         if forbidden.shape != (world.height, world.width):
             raise BadParameter(f"keep-out mask of shape {forbidden.shape}: an array must have that of the map, ({world.height}, {world.width})")
     corners = _corners(forbidden, resolution, origin)

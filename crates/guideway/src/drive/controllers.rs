@@ -89,7 +89,6 @@ pub const CONTROLLERS: &[ControllerEntry] = &[
             ("speed_step", "steps of the sampled speeds, m/s (preset=paper)"),
             ("turn_step", "steps of the sampled turn rates, rad/s (preset=paper)"),
             ("emergency", "above this speed the robot brakes when obstacles are nearer than safety, below it turns in place, m/s (preset=paper)"),
-            ("switch", "a sub-goal this near is reached, m (preset=paper)"),
             ("guarantee", "only commands after which a full brake ends before anything can be met"),
             ("error", "bound of the error of pose and model, m"),
             ("drift", "growth of that bound with the distance driven"),

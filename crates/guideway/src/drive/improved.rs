@@ -50,8 +50,6 @@ pub struct ImprovedDwa {
     pub turn_step: f64,
     /// Above this speed the robot brakes when obstacles are nearer than `safety`, below it turns in place, m/s.
     pub emergency: f64,
-    /// A sub-goal this near is reached, m.
-    pub switch: f64,
     /// Only commands after which a full brake ends before anything can be met.
     pub guarantee: bool,
     /// Bound of the error of pose and model, m.
@@ -96,7 +94,6 @@ impl Default for ImprovedDwa {
             speed_step: 0.01,
             turn_step: 0.02,
             emergency: 0.2,
-            switch: 0.5,
             guarantee: true,
             error: 0.015,
             drift: 0.02,
@@ -153,7 +150,6 @@ impl ImprovedDwa {
             ("keep_on", self.keep_on),
             ("safety", self.safety.unwrap_or(0.0)),
             ("emergency", self.emergency),
-            ("switch", self.switch),
             ("error", self.error),
             ("drift", self.drift),
             ("growth", self.growth),

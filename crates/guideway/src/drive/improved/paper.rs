@@ -7,8 +7,8 @@ use crate::drive::critics::{Candidate, Weights};
 use crate::drive::dwa::{Progress, admissible, stops, why};
 use crate::drive::field::{Field, Margins, Met};
 use crate::drive::filter::Filter;
-use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch, arc};
-use crate::world::shape::{distance, dot, sub, wrap};
+use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch, SubGoals, arc};
+use crate::world::shape::wrap;
 use std::sync::Arc;
 
 /// Distances to obstacles count up to this, m.
@@ -30,7 +30,7 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
         p,
         guide: None,
         progress: Progress::default(),
-        sub_goal: 0,
+        sub_goals: None,
         sketch: Sketch::default(),
     })
 }
@@ -44,15 +44,14 @@ struct Window {
     filter: Filter,
     guide: Option<Arc<Guide>>,
     progress: Progress,
-    /// Index of the sub-goal.
-    sub_goal: usize,
+    sub_goals: Option<SubGoals>,
     sketch: Sketch,
 }
 
 impl Controller for Window {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.guide = Some(Arc::clone(guide));
-        (self.progress, self.sub_goal) = (Progress::default(), 0);
+        (self.progress, self.sub_goals) = (Progress::default(), Some(SubGoals::new(guide)));
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
@@ -63,9 +62,12 @@ impl Controller for Window {
             Ok(left) => left,
             Err(decision) => return decision,
         };
-        self.advance(&guide, [seen.pose[0], seen.pose[1]]);
         let end = guide.course.end().pose;
-        let target = guide.sub_goals.get(self.sub_goal).copied().unwrap_or([end[0], end[1]]);
+        let next = self.sub_goals.as_mut().and_then(|goals| {
+            goals.advance([seen.pose[0], seen.pose[1]]);
+            goals.next()
+        });
+        let target = next.unwrap_or([end[0], end[1]]);
         self.sketch.sub_goal = Some(target);
         self.choose(&guide.course, &seen, (target, left))
     }
@@ -76,20 +78,6 @@ impl Controller for Window {
 }
 
 impl Window {
-    /// Goes on to the next sub-goal where this one is near, or has been passed.
-    fn advance(&mut self, guide: &Guide, p: [f64; 2]) {
-        let goals = &guide.sub_goals;
-        let start = guide.course.start().pose;
-        while self.sub_goal + 1 < goals.len() {
-            let (here, before) = (goals[self.sub_goal], if self.sub_goal == 0 { [start[0], start[1]] } else { goals[self.sub_goal - 1] });
-            let passed = dot(sub(p, here), sub(here, before)) > 0.0;
-            if distance(p, here) >= self.p.switch && !passed {
-                return;
-            }
-            self.sub_goal += 1;
-        }
-    }
-
     fn choose(&mut self, course: &Course, seen: &Observation, (target, left): ([f64; 2], f64)) -> Decision {
         let world = seen.known.clone().unwrap_or_else(|| Arc::clone(&self.setup.world));
         let margins = Margins { still: self.safety, moving: self.safety, growth: 0.0 };

@@ -1,6 +1,7 @@
 //! Our settings: the best sequence of manoeuvres over the next seconds, its first command only if a full brake after it is safe.
 
 use super::ImprovedDwa;
+use crate::Point;
 use crate::context::Context;
 use crate::drive::body::Body;
 use crate::drive::critics::{Candidate, Weights};
@@ -11,8 +12,8 @@ use crate::drive::guard::{Bounds, Guard, State};
 use crate::drive::local::Local;
 use crate::drive::search::{Node, Plans, Search};
 use crate::drive::ways::{Predictor, Sim, Way};
-use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
-use crate::world::shape::wrap;
+use crate::drive::{Command, Controller, CostToGo, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
+use crate::world::shape::{distance, wrap};
 use std::sync::Arc;
 
 /// Ends of the levels as shares of the horizon.
@@ -34,6 +35,10 @@ const EARLY: f64 = 0.3;
 /// Stops in predictions begin so much later (s) and keep so much more distance (m) than those that are guaranteed.
 const SLOW: f64 = 0.05;
 const SPARE: f64 = 0.04;
+/// So near to the path the robot is on it, m.
+const ON_IT: f64 = 0.3;
+/// Nearer to the end than this the path leads, m.
+const NEAR_END: f64 = 0.6;
 /// Distance to the end of the path that counts as there, and beside it, m.
 const THERE: f64 = 0.03;
 const BESIDE: f64 = 0.06;
@@ -176,9 +181,33 @@ impl Planning {
                 return Decision::Drive(command);
             }
         }
+        if let Some(decision) = self.undisturbed(&predictor, &guard, (&start, seen.time)) {
+            return decision;
+        }
         let firsts = self.firsts();
         let plans = self.search(&predictor, start, &firsts, guide);
         self.pick((&plans, &firsts), &predictor, &guard, (&start, seen))
+    }
+
+    /// Along the path, where nothing is near on the way: no search is needed.
+    fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, (start, time): (&Sim, f64)) -> Option<Decision> {
+        let way = Way::Follow { share: 1.0, offset: 0.0 };
+        let place = |sim: &Sim| predictor.local.relative(sim.mark, sim.pose);
+        let ([s, lateral, _], left) = (place(start), predictor.local.length - place(start)[0]);
+        if lateral.abs() > ON_IT || left < NEAR_END {
+            return None;
+        }
+        let on = predictor.run(way, start, [0.0, self.p.horizon]);
+        if on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
+            return None;
+        }
+        let (v, w) = predictor.wanted(way, start);
+        let rest = self.allowed(guard, Command { v, w }).ok()?;
+        self.sketch.chosen = vec![[start.pose[0], start.pose[1]], [on.end.pose[0], on.end.pose[1]]];
+        self.sketch.fan.clear();
+        self.sketch.discs = predictor.field.discs(rest);
+        (self.last.side, self.held) = (Some(way.side()), None);
+        Some(Decision::Drive(Command { v, w }))
     }
 
     /// The best plan whose first command is safe.
@@ -223,8 +252,13 @@ impl Planning {
         let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| {
             if level == 0 { list.extend_from_slice(firsts) } else { self.later(&node.sim, list) }
         };
-        let score = |node: &Node| self.weights.total(&self.candidate(node, predictor, (firsts[node.first], commands[node.first]), guide));
-        let left = |sim: &Sim| left(sim, predictor.local);
+        let to_go = guide.to_go.as_deref().filter(|field| field.at([start.pose[0], start.pose[1]]).is_finite());
+        let left = |sim: &Sim| left(sim, predictor.local, to_go);
+        let end = guide.course.end().pose;
+        let score = |node: &Node| {
+            let way = (firsts[node.first], commands[node.first]);
+            self.weights.total(&self.candidate((node, left(&node.sim)), predictor.local, way, [end[0], end[1]]))
+        };
         search.run(start, &mut ways, &left, &score)
     }
 
@@ -259,20 +293,19 @@ impl Planning {
     }
 
     /// What the critics see of a plan.
-    fn candidate(&self, node: &Node, predictor: &Predictor, (way, (v, w)): (Way, (f64, f64)), guide: &Guide) -> Candidate {
-        let (sim, local) = (&node.sim, predictor.local);
+    fn candidate(&self, (node, left): (&Node, f64), local: &Local, (way, (v, w)): (Way, (f64, f64)), target: Point) -> Candidate {
+        let sim = &node.sim;
         let lateral = local.relative(sim.mark, sim.pose)[1];
         let mark = local.mark(sim.mark);
         let along = if mark.s > local.length - 0.15 { sim.pose[2] } else { mark.yaw - (2.0 * lateral / (0.5 + sim.v.max(0.0))).atan() };
-        let end = guide.course.end().pose;
         Candidate {
             v,
             w,
             end: sim.pose,
-            target: [end[0], end[1]],
+            target,
             along,
             dist: 0.0,
-            left: (left(sim, local) + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
+            left: (left + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
             aside: node.aside,
             close: node.near,
             exposed: node.exposed,
@@ -282,11 +315,18 @@ impl Planning {
     }
 }
 
-/// Distance to the goal that is left, m; the last bit counts more, so that it is worth driving.
-fn left(sim: &Sim, local: &Local) -> f64 {
+/// Distance to the goal that is left, m, by the cost-to-go of the global layer where there is one and the end is not near; the last bit counts more, so that
+/// it is worth driving.
+fn left(sim: &Sim, local: &Local, to_go: Option<&CostToGo>) -> f64 {
     let [s, lateral, _] = local.relative(sim.mark, sim.pose);
+    let p = [sim.pose[0], sim.pose[1]];
+    if let Some(field) = to_go
+        && local.length - s > NEAR_END
+    {
+        return field.at(p).min(1e3) + LAST;
+    }
     let mark = local.mark(sim.mark);
-    let off = if s < local.length { lateral.abs() } else { (sim.pose[0] - mark.point[0]).hypot(sim.pose[1] - mark.point[1]) };
+    let off = if s < local.length { lateral.abs() } else { distance(p, mark.point) };
     let left = (local.length - s).max(0.0) + 0.7 * off;
     left + LAST * left.min(1.0).sqrt()
 }

@@ -38,9 +38,6 @@ pub(super) struct Node {
     pub score: f64,
 }
 
-/// A place that is met only after this time is free, s.
-const EXPOSED: f64 = 4.0;
-
 /// What a search is asked.
 pub(super) struct Search<'a> {
     pub predictor: &'a Predictor<'a>,
@@ -105,7 +102,7 @@ impl Search<'_> {
                         next.score = LOST + SECOND * next.t - next.near;
                     } else {
                         let last = if level + 1 == self.levels.len() { self.park } else { 0.0 };
-                        next.exposed += self.exposure(&next) * (until - node.t + last);
+                        next.exposed += self.predictor.exposure(next.sim.pose, next.t) * (until - node.t + last);
                         next.left += (until - node.t) * left(&next.sim);
                         next.score = score(&next);
                     }
@@ -164,18 +161,5 @@ impl Search<'_> {
             }
         }
         kept
-    }
-
-    /// How soon a robot that stays where a plan ends would be met: 0 never, 1 at once.
-    fn exposure(&self, node: &Node) -> f64 {
-        let (mut t, end) = (node.t, node.t + EXPOSED);
-        while t < end {
-            let around = self.predictor.field.movers(node.sim.pose, t, 0.0);
-            if around.room <= 0.0 {
-                return 1.0 - (t - node.t) / EXPOSED;
-            }
-            t += around.safe.max(0.1);
-        }
-        0.0
     }
 }

@@ -18,6 +18,8 @@ const SOFT: f64 = 2.5;
 const EASY: f64 = 0.8;
 /// So far ahead is the point that a robot heads for which has left the path, m.
 const AHEAD: f64 = 0.8;
+/// A place that is met only after this time is free, s.
+const EXPOSED: f64 = 4.0;
 /// Below this the base stands, m/s.
 const STANDING: f64 = 0.02;
 
@@ -197,6 +199,19 @@ impl Predictor<'_> {
         let free = |share: f64, more: f64| self.field.later(at(share), t, more) >= error;
         // Halfway in time three quarters of the way are driven.
         free(0.75, 0.5 * whole) && free(1.0, whole)
+    }
+
+    /// How soon a robot that stays at `pose` from `from` s on would be met: 0 never, 1 at once.
+    pub fn exposure(&self, pose: [f64; 3], from: f64) -> f64 {
+        let mut t = from;
+        while t < from + EXPOSED {
+            let around = self.field.movers(pose, t, 0.0);
+            if around.room <= 0.0 {
+                return 1.0 - (t - from) / EXPOSED;
+            }
+            t += around.safe.max(0.1);
+        }
+        0.0
     }
 }
 

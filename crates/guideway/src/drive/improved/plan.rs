@@ -198,7 +198,8 @@ impl Planning {
             return None;
         }
         let on = predictor.run(way, start, [0.0, self.p.horizon]);
-        if on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
+        let exposed = predictor.exposure(start.pose, 0.0) + predictor.exposure(on.end.pose, self.p.horizon);
+        if exposed > 0.0 || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;
         }
         let (v, w) = predictor.wanted(way, start);

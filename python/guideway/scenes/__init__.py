@@ -17,6 +17,7 @@ from typing import Literal, overload
 from guideway.errors import BadParameter
 from guideway.scenes.calibrated import CLASSES, Targets, calibrated, describe
 from guideway.scenes.complexity import complexity
+from guideway.scenes.crossings import ROBOTS, crossings
 from guideway.scenes.environments import ENVIRONMENTS, environment
 from guideway.scenes.grid import GridScene
 from guideway.scenes.rooms import ASYMMETRIC, CONDITIONS, MOVERS, NOMINAL, RoomScene, layout, room
@@ -29,11 +30,13 @@ __all__ = [
     "KINDS",
     "MOVERS",
     "NOMINAL",
+    "ROBOTS",
     "GridScene",
     "RoomScene",
     "Targets",
     "calibrated",
     "complexity",
+    "crossings",
     "describe",
     "environment",
     "layout",

@@ -37,6 +37,8 @@ const SLOW: f64 = 0.05;
 const SPARE: f64 = 0.04;
 /// So near to the path the robot is on it, m.
 const ON_IT: f64 = 0.3;
+/// What places cost that cannot be reached by the cost-to-go, more than the present one, m.
+const BLOCKED: f64 = 1.5;
 /// Nearer to the end than this the path leads, m.
 const NEAR_END: f64 = 0.6;
 /// Distance to the end of the path that counts as there, and beside it, m.
@@ -181,7 +183,7 @@ impl Planning {
                 return Decision::Drive(command);
             }
         }
-        if let Some(decision) = self.undisturbed(&predictor, &guard, (&start, seen.time)) {
+        if let Some(decision) = self.undisturbed(&predictor, &guard, &start) {
             return decision;
         }
         let firsts = self.firsts();
@@ -190,7 +192,7 @@ impl Planning {
     }
 
     /// Along the path, where nothing is near on the way: no search is needed.
-    fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, (start, time): (&Sim, f64)) -> Option<Decision> {
+    fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, start: &Sim) -> Option<Decision> {
         let way = Way::Follow { share: 1.0, offset: 0.0 };
         let place = |sim: &Sim| predictor.local.relative(sim.mark, sim.pose);
         let ([s, lateral, _], left) = (place(start), predictor.local.length - place(start)[0]);
@@ -253,7 +255,7 @@ impl Planning {
         let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| {
             if level == 0 { list.extend_from_slice(firsts) } else { self.later(&node.sim, list) }
         };
-        let to_go = guide.to_go.as_deref().filter(|field| field.at([start.pose[0], start.pose[1]]).is_finite());
+        let to_go = guide.to_go.as_deref().map(|field| (field, field.at([start.pose[0], start.pose[1]]))).filter(|known| known.1.is_finite());
         let left = |sim: &Sim| left(sim, predictor.local, to_go);
         let end = guide.course.end().pose;
         let score = |node: &Node| {
@@ -318,13 +320,14 @@ impl Planning {
 
 /// Distance to the goal that is left, m, by the cost-to-go of the global layer where there is one and the end is not near; the last bit counts more, so that
 /// it is worth driving.
-fn left(sim: &Sim, local: &Local, to_go: Option<&CostToGo>) -> f64 {
+fn left(sim: &Sim, local: &Local, to_go: Option<(&CostToGo, f64)>) -> f64 {
     let [s, lateral, _] = local.relative(sim.mark, sim.pose);
     let p = [sim.pose[0], sim.pose[1]];
-    if let Some(field) = to_go
+    if let Some((field, now)) = to_go
         && local.length - s > NEAR_END
     {
-        return field.at(p).min(1e3) + LAST;
+        // Cells that the field counts as blocked may be crossed by what is predicted to be free.
+        return field.at(p).min(now + BLOCKED) + LAST;
     }
     let mark = local.mark(sim.mark);
     let off = if s < local.length { lateral.abs() } else { distance(p, mark.point) };

@@ -1,4 +1,4 @@
-"""Four discs that cross a room, 20 seeds: the default controller beside RVO, SFM and ORCA of ir-sim, and the time of a control step.
+"""Four discs that cross a room, 20 seeds: the default controller beside RVO and SFM of ir-sim, and the time of a control step.
 
 python benches/local.py [--seeds 20] [--no-peers]    # peers: pip install ir-sim
 """
@@ -82,7 +82,7 @@ def peer(behaviour: str, seed: int) -> tuple[str, float, float]:
         f"    vel_max: [0.5, 0.5]\n    vel_min: [-0.5, -0.5]\n"
         for m in discs
     )
-    how = "group_behavior: {name: 'orca'}" if behaviour == "orca" else f"behavior: {{name: '{behaviour}'}}"
+    how = f"behavior: {{name: '{behaviour}'}}"
     ends = {"sx": START[0], "sy": START[1], "gx": GOAL[0], "gy": GOAL[1]}
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "scene.yaml"
@@ -118,7 +118,7 @@ def main() -> None:
     logging.disable(logging.CRITICAL)
     cases: list[tuple[str, Any]] = [("guideway improved-dwa", ours)]
     if not given.no_peers:
-        cases += [(f"ir-sim {name}", lambda seed, name=name: peer(name, seed)) for name in ("rvo", "sfm", "orca")]
+        cases += [(f"ir-sim {name}", lambda seed, name=name: peer(name, seed)) for name in ("rvo", "sfm")]
     print("| | arrived | collisions | timeouts | median time, s | median step, ms |\n|---|---|---|---|---|---|")
     for name, run in cases:
         with open(os.devnull, "w") as quiet, contextlib.redirect_stdout(quiet):

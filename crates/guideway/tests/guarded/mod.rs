@@ -2,7 +2,7 @@
 
 use guideway::Point;
 use guideway::context::Context;
-use guideway::drive::{Command, Controller, Course, Decision, Guide, Motion, Outline, Plant, Robot, Setup, Track, Unicycle, controller};
+use guideway::drive::{Command, Course, Decision, Guide, Motion, Outline, Plant, Robot, Setup, Track, Unicycle, controller};
 use guideway::timing::State;
 use guideway::world::{Footprint, Shape, World};
 use rand::RngExt;

@@ -64,7 +64,7 @@ impl Controller for Window {
         };
         let end = guide.course.end().pose;
         let next = self.sub_goals.as_mut().and_then(|goals| {
-            goals.advance([seen.pose[0], seen.pose[1]]);
+            goals.advance([seen.pose[0], seen.pose[1]], self.progress.s);
             goals.next()
         });
         let target = next.unwrap_or([end[0], end[1]]);

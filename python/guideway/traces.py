@@ -31,13 +31,15 @@ def trace_record(trace: Any) -> dict[str, Any] | None:
     if classes := _rows(trace.get("classes")):
         found["classes"] = [dict(each) | {"path": _thin(each.get("path"))} for each in classes[:MOST_CLASSES]]
     if stages := _rows(trace.get("loop")):
-        kept = ("found", "remaining")
-        found["loop"] = [dict(each) | {key: _rows(each.get(key))[:MOST_REGIONS] for key in kept} for each in _spread(stages, MOST_STAGES)]
+        lists = ("found", "remaining")
+        found["loop"] = [dict(each) | {key: _rows(each.get(key))[:MOST_REGIONS] for key in lists} for each in _spread(stages, MOST_STAGES)]
     if isinstance(speed := trace.get("speed"), Mapping):
-        curves = {key: rows for key, rows in speed.items() if key != "movers"}
-        found["speed"] = {key: _rows(rows)[:MOST_REGIONS] if key.startswith("regions") else _thin(rows) for key, rows in curves.items()}
+        kept: dict[str, Any] = {
+            key: _rows(rows)[:MOST_REGIONS] if key.startswith("regions") else _thin(rows) for key, rows in speed.items() if key != "movers"
+        }
         if isinstance(around := speed.get("movers"), Mapping):
-            found["speed"]["movers"] = dict(around)
+            kept["movers"] = dict(around)
+        found["speed"] = kept
     if tree := _rows(trace.get("tree")):
         found["tree"] = [[_short(value) for value in edge] for edge in _spread(tree, MOST_EDGES)]
     return found or None

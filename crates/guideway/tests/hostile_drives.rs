@@ -146,7 +146,9 @@ fn a_clock_that_jumps_back_and_forth_costs_time_and_nothing_else() {
         let arrived = trial.arrives(60.0, |t, seen, scan| {
             if t > at {
                 seen.time += offset;
-                scan.iter_mut().for_each(|s| s.time += offset);
+                for s in scan.iter_mut() {
+                    s.time += offset;
+                }
             }
         });
         assert!(arrived && trial.room > 0.0, "{offset}: {} {:?}", trial.room, trial.kinds());
@@ -155,7 +157,9 @@ fn a_clock_that_jumps_back_and_forth_costs_time_and_nothing_else() {
     let mut trial = Trial::new(Vec::new(), false);
     let arrived = trial.arrives(10.0, |t, _, scan| {
         if t > 3.0 {
-            scan.iter_mut().for_each(|s| s.time += 100.0);
+            for s in scan.iter_mut() {
+                s.time += 100.0;
+            }
         }
     });
     assert!(!arrived && trial.rests() && trial.kinds().contains(&"blind"));

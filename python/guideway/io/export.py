@@ -121,7 +121,7 @@ def _settings(scene: Scene) -> list[str]:
     if scene.lidar is not None:
         parts.append(_table("[lidar]", vars(scene.lidar)))
     if (query := scene.query) is not None:
-        fields = {key: value for key, value in vars(query).items() if not key.endswith("_yaw") and key != "stop"}
+        fields = {key: value for key, value in vars(query).items() if not key.endswith("_yaw")}
         for key, point, yaw in (("start", query.start, query.start_yaw), ("goal", query.goal, query.goal_yaw)):
             fields[key] = None if point is None else [*point, *([] if yaw is None else [yaw])]
         fields["via"] = query.via or None

@@ -209,6 +209,7 @@ def _query(table: Table) -> Query:
         arrival=table.number("arrival", 0.0, HUGE, "m", 0.1, above=True),
         material=cast(Material, table.choice("material", MATERIALS, "standard")),
         time_limit=table.optional("time_limit", 0.0, 1e6, "s", above=True),
+        stop=table.flag("stop", True),
         order=cast('Literal["given", "best"]', table.choice("order", ("given", "best"), "given")),
     )
     table.done()

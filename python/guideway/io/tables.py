@@ -95,11 +95,11 @@ class Table:
             raise self.bad(key, "a text in quotes")
         return value
 
-    def flag(self, key: str) -> bool:
-        """True or false; false where the field is missing."""
+    def flag(self, key: str, default: bool = False) -> bool:
+        """True or false; ``default`` where the field is missing."""
         value = self.raw(key)
         if key not in self._data:
-            return False
+            return default
         if not isinstance(value, bool):
             raise self.bad(key, "true | false")
         return value

@@ -4,6 +4,9 @@ use super::{Observation, arc};
 use crate::world::shape::wrap;
 use serde::{Deserialize, Serialize};
 
+/// Longest time that odometry bridges, s.
+const LAPSE: f64 = 1.0;
+
 /// Blends the predicted and the observed pose with a fixed gain. 1 believes the observation alone; white noise shrinks by sqrt(gain / (2 - gain)).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct Filter {
@@ -18,7 +21,8 @@ impl Filter {
 
     /// Replaces the observed pose by the filtered one.
     pub fn apply(&mut self, seen: &mut Observation) {
-        if let Some((t, pose)) = self.last {
+        // A clock that jumped tells nothing about the way driven.
+        if let Some((t, pose)) = self.last.filter(|(t, _)| (0.0..=LAPSE).contains(&(seen.time - t))) {
             let ahead = arc(pose, seen.v, seen.w, seen.time - t);
             let mix = |k: usize| ahead[k] + self.gain * (seen.pose[k] - ahead[k]);
             let yaw = ahead[2] + self.gain * wrap(seen.pose[2] - ahead[2]);

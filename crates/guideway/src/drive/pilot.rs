@@ -41,6 +41,8 @@ pub struct Pilot<'a> {
     /// Why the robot was to stop in the last step.
     stopping: Option<String>,
     blind: bool,
+    /// What is added to the time of the caller, and the last time, s.
+    clock: [f64; 2],
     pace: Pace,
     speed_map: Option<Arc<SpeedMap>>,
     robot: Robot,
@@ -76,6 +78,7 @@ impl<'a> Pilot<'a> {
             navigator,
             stopping: None,
             blind: false,
+            clock: [0.0, f64::NEG_INFINITY],
             pace: Pace::new(robot, trajectory.limits.jerk),
             speed_map: None,
             robot: robot.clone(),
@@ -153,6 +156,7 @@ impl<'a> Pilot<'a> {
         if let Some(eyes) = &mut self.eyes {
             eyes.look(seen, scan);
         }
+        seen.time = self.steady(seen.time);
         let mut replanned = false;
         if self.navigator.before(seen, ctx) {
             self.follow();
@@ -169,6 +173,16 @@ impl<'a> Pilot<'a> {
         let (command, stop, stopped) = self.obey(decision, seen.time);
         let (events, plan_seconds) = (std::mem::take(&mut self.navigator.events), std::mem::take(&mut self.navigator.seconds));
         Step { command, stop, stopped, events, replanned, plan_seconds }
+    }
+
+    /// The time on a clock that never runs back, s: where that of the caller does, it goes on from where it was.
+    fn steady(&mut self, t: f64) -> f64 {
+        let [shift, last] = self.clock;
+        if t.is_finite() {
+            self.clock = if t + shift < last { [last - t, last] } else { [shift, t + shift] };
+            return self.clock[1];
+        }
+        t
     }
 
     fn follow(&mut self) {

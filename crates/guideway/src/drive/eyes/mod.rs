@@ -26,6 +26,8 @@ const EXPLAINED: f64 = 0.08;
 const SLANT: f64 = 0.01;
 /// Rays that end nearer than this measure nothing: what covers the lidar blinds it, m.
 const LEAST: f64 = 0.05;
+/// Two returns this near to each other belong to one thing, whatever the rays between them say, m.
+const GAP: f64 = 0.15;
 /// A gap in time beyond this ends all tracks, s.
 const LAPSE: f64 = 1.0;
 /// Speed that anything unexplained may take up, m/s.
@@ -77,9 +79,10 @@ impl Eyes {
             self.clock(seen.time);
             let mut at = seen.clone();
             self.filter.apply(&mut at);
-            if let Some(scan) = scan
+            if let Some(mut scan) = scan
                 && self.good(&scan, seen.time)
             {
+                mend(&mut scan);
                 self.take(at.pose, Arc::new(scan));
             }
         }
@@ -180,6 +183,27 @@ fn explained(world: &World, field: &ClearanceField, at: Point, range: f64) -> bo
     };
     // The centre of the cell is at most 0.71 sides away.
     cell.is_none_or(|cell| field.at(cell) < near + 0.71 * world.resolution())
+}
+
+/// Closes gaps of rays without a return between two returns that lie no more than [`GAP`] apart: rays that failed would tear what is there into pieces that seem
+/// to move, and open the map behind it; no robot passes a gap that is real.
+fn mend(scan: &mut Scan) {
+    let returned = |r: f64| r.is_finite() && r >= LEAST;
+    let mut last: Option<usize> = None;
+    for i in 0..scan.ranges.len() {
+        if !returned(scan.ranges[i]) {
+            continue;
+        }
+        if let Some(from) = last.filter(|from| i - from > 1) {
+            let (a, b, angle) = (scan.ranges[from], scan.ranges[i], scan.step * (i - from) as f64);
+            if a * a + b * b - 2.0 * a * b * angle.cos() <= GAP * GAP {
+                for k in from + 1..i {
+                    scan.ranges[k] = a + (b - a) * (k - from) as f64 / (i - from) as f64;
+                }
+            }
+        }
+        last = Some(i);
+    }
 }
 
 #[cfg(test)]

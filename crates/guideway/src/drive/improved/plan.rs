@@ -175,7 +175,7 @@ impl Planning {
         let mark = local.nearest((back / 0.05) as usize, [start.pose[0], start.pose[1]]);
         let start = Sim { pose: start.pose, v: start.v, w: start.w, mark };
         if let Some((until, way)) = self.held
-            && seen.time < until - 1e-9
+            && (1e-9..=self.p.period).contains(&(until - seen.time))
         {
             let (v, w) = predictor.wanted(way, &start);
             let command = seen.within(robot, Command { v, w });

@@ -190,7 +190,9 @@ pub fn drive(seed: u64) -> Tally {
         for _ in 0..(period / FINE).round() as u32 {
             plant.step(command, FINE);
             let m = plant.motion();
-            movers.iter_mut().for_each(|mover| mover.go(&mut rng, (t, FINE), [m.pose[0], m.pose[1]]));
+            for mover in &mut movers {
+                mover.go(&mut rng, (t, FINE), [m.pose[0], m.pose[1]]);
+            }
             t += FINE;
             tally.metres += m.v.abs() * FINE;
             if let Some(with) = tally.judge(&m, (&judged, &footprint), &mut movers) {

@@ -147,6 +147,13 @@ fn room(rng: &mut ChaCha8Rng) -> [World; 2] {
     [0.0, 0.05].map(|b| World::from_shapes([-b, -b, SIDE + b, SIDE + b], shapes.clone(), 0.1).expect("a room"))
 }
 
+/// Everything moves for one fine step.
+fn all_go(movers: &mut [Wanderer], rng: &mut ChaCha8Rng, t: f64, m: &Motion) {
+    for mover in movers {
+        mover.go(rng, (t, FINE), [m.pose[0], m.pose[1]]);
+    }
+}
+
 /// Drives in one random room.
 pub fn drive(seed: u64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -190,9 +197,7 @@ pub fn drive(seed: u64) -> Tally {
         for _ in 0..(period / FINE).round() as u32 {
             plant.step(command, FINE);
             let m = plant.motion();
-            for mover in &mut movers {
-                mover.go(&mut rng, (t, FINE), [m.pose[0], m.pose[1]]);
-            }
+            all_go(&mut movers, &mut rng, t, &m);
             t += FINE;
             tally.metres += m.v.abs() * FINE;
             if let Some(with) = tally.judge(&m, (&judged, &footprint), &mut movers) {

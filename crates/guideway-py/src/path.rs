@@ -47,6 +47,23 @@ impl Path {
         Ok(Self { inner: path::Path::polyline(&rows) })
     }
 
+    /// The interpolating spline through points of shape (n, dimension): cubic with continuous curvature from four points on, a parabola through three, a
+    /// straight line through two. Parameters default to the accumulated distances; a point that repeats the one before it is dropped.
+    #[staticmethod]
+    #[pyo3(signature = (points, parameters=None))]
+    fn through(py: Python<'_>, points: &Bound<'_, PyAny>, parameters: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let bad = || to_py(py, &PlanError::bad("points", "the value given", "an array of shape (n, dimension) of numbers"));
+        let array = py.import("numpy")?.call_method1("asarray", (points, "float64")).map_err(|_| bad())?;
+        let array = array.cast_into::<PyArray2<f64>>().map_err(|_| bad())?.readonly();
+        let (view, dimension) = (array.as_array(), array.as_array().ncols());
+        let flat: Vec<f64> = view.iter().copied().collect();
+        let inner = match parameters {
+            Some(t) => path::Path::through_at(&flat, dimension, &values("parameters", t)?),
+            None => path::Path::through(&flat, dimension),
+        };
+        inner.or_py(py).map(|inner| Self { inner })
+    }
+
     /// Polynomial degree.
     #[getter]
     fn degree(&self) -> usize {

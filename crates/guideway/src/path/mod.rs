@@ -4,6 +4,7 @@ mod arc_length;
 mod bezier;
 mod bspline;
 mod eval;
+mod interpolate;
 mod measure;
 mod project;
 #[cfg(test)]

@@ -1,0 +1,146 @@
+"""Coefficient rows of the timing solver: torques from recursive Newton-Euler, speed and acceleration of the tip.
+
+At a place s of the path every demand is ``a*u + b*x + d*sqrt(x) + c`` with ``u`` the path acceleration (rad/s2) and ``x`` the squared path speed
+(rad2/s2). With unit speed along the path, ``q'`` and ``q''`` by arc length, three evaluations of the inverse dynamics at rest give the
+coefficients of all joints: ``g = id(q, 0, 0)``, ``a = M q' = id(q, 0, q') - g``, ``b = M q'' + C(q, q') q' = id(q, q', q'') - g``; friction adds
+``d = f_v q'`` and ``c = g + f_c sgn(q')``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from guideway.arm.extra import pinocchio
+from guideway.arm.limits import JointLimits
+from guideway.arm.model import STILL, Arm, _frame
+from guideway.errors import BadParameter
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from guideway._core import Path
+
+    Floats = NDArray[np.float64]
+    Rows = dict[str, Floats]
+    RowsOf = Callable[[Floats], Rows]
+
+DIRECTIONS = 12
+"""Directions in which the tip's acceleration is bounded, in the plane it can lie in: the bound that results is a regular polygon inside the circle,
+so it is kept exactly and 0.9 % of it is given away at most."""
+
+
+def torque_coefficients(arm: Arm, path: Path, s: Floats) -> Rows:
+    """Coefficients ``a, b, d, c`` of the joint torques at places ``s`` (n,), each (n, joints), payload and friction included, N m."""
+    arm.need_inertials()
+    q, first, second = (np.ascontiguousarray(path.eval(s, order)) for order in range(3))
+    return coefficients_of(arm, q, first, second)
+
+
+def coefficients_of(arm: Arm, q: Floats, first: Floats, second: Floats) -> Rows:
+    """The same from postures and their derivatives by arc length, each (n, joints)."""
+    still = np.zeros_like(q)
+    gravity = arm.rnea(q, still, still)
+    viscous, coulomb = arm.friction.arrays(arm.joints)
+    direction = np.where(np.abs(first) > STILL, np.sign(first), 0.0)
+    return {
+        "a": arm.rnea(q, still, first) - gravity,
+        "b": arm.rnea(q, first, second) - gravity,
+        "d": viscous * first,
+        "c": gravity + coulomb * direction,
+    }
+
+
+def torque_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
+    """A callable ``rows(s)`` for the solver: torques of all joints within ``limits.torque`` (default the robot's own), either way.
+
+    Raises ``BadParameter`` without inertials or torque limits, and where gravity and Coulomb friction alone exceed a limit.
+    """
+    arm.need_inertials()
+    bound = limits.per_joint("torque", arm.joints)
+    if bound is None:
+        bound = np.array(arm.torque_limits())
+
+    def rows(s: Floats) -> Rows:
+        found = torque_coefficients(arm, path, np.asarray(s, float))
+        return {**found, "low": -bound, "high": bound}
+
+    return rows
+
+
+def torque_names(arm: Arm) -> list[str]:
+    """Names of the torque rows."""
+    return [f"torque of {name}" for name in arm.names]
+
+
+def check_static(arm: Arm, path: Path, limits: JointLimits, count: int = 400) -> None:
+    """Raises ``BadParameter`` where the arm cannot even hold itself still on the path: the worst joint and place."""
+    bound = limits.per_joint("torque", arm.joints)
+    if bound is None:
+        return
+    s = np.linspace(0.0, path.length, count)
+    load = np.abs(torque_coefficients(arm, path, s)["c"])
+    worst = np.unravel_index(np.argmax(load / bound), load.shape)
+    if load[worst] > bound[worst[1]]:
+        raise BadParameter(
+            f"static overload: at s = {s[worst[0]]:.4g} rad of {path.length:.4g} rad, gravity and friction alone ask {load[worst]:.4g} N m of "
+            f"{arm.names[worst[1]]}, its limit is {bound[worst[1]]:.4g} N m. Carry less, take another posture or raise the limit"
+        )
+
+
+def tip_derivatives(arm: Arm, path: Path, s: Floats) -> tuple[Floats, Floats]:
+    """First and second derivative of the tip's position by the path's arc length at places ``s`` (n,), each (n, 3), m/rad and m/rad2."""
+    pin, model, data, couple = pinocchio(), arm.model, arm._data, arm.coupling
+    index = _frame(model, arm.tip)
+    q, first, second = (path.eval(s, order) for order in range(3))
+    one, two = np.empty((len(s), 3)), np.empty((len(s), 3))
+    frame = pin.LOCAL_WORLD_ALIGNED
+    for k, row in enumerate(zip(q @ couple.T + arm.offset, first @ couple.T, second @ couple.T, strict=True)):
+        pin.forwardKinematics(model, data, *row)
+        one[k] = pin.getFrameVelocity(model, data, index, frame).linear
+        two[k] = pin.getFrameClassicalAcceleration(model, data, index, frame).linear
+    return one, two
+
+
+def tip_ceiling(arm: Arm, path: Path, speed: float) -> Callable[[Floats], Floats]:
+    """A callable ``ceiling(s)``: the largest squared path speed with the tip at ``speed`` (m/s); infinite where the tip stands still."""
+
+    def ceiling(s: Floats) -> Floats:
+        reach = np.linalg.norm(tip_derivatives(arm, path, np.asarray(s, float))[0], axis=1)
+        return np.divide(speed, reach, out=np.full(len(reach), math.inf), where=reach > 1e-12) ** 2
+
+    return ceiling
+
+
+def tip_rows(arm: Arm, path: Path, acceleration: float) -> RowsOf:
+    """A callable ``rows(s)`` that keeps the tip's acceleration vector below ``acceleration`` (m/s2) by :data:`DIRECTIONS` rows."""
+    angles = np.arange(DIRECTIONS) * math.pi / DIRECTIONS
+    bound = np.full(DIRECTIONS, acceleration * math.cos(math.pi / (2 * DIRECTIONS)))
+
+    def rows(s: Floats) -> Rows:
+        first, second = tip_derivatives(arm, path, np.asarray(s, float))
+        along = first / np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
+        across = second - np.sum(second * along, axis=1, keepdims=True) * along
+        across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+        still = np.zeros((len(first), DIRECTIONS))
+        one, two = (
+            np.outer(np.sum(v * along, axis=1), np.cos(angles)) + np.outer(np.sum(v * across, axis=1), np.sin(angles)) for v in (first, second)
+        )
+        return {"a": one, "b": two, "d": still, "c": still, "low": -bound, "high": bound}
+
+    return rows
+
+
+def joined(parts: list[RowsOf]) -> RowsOf:
+    """Several sets of rows as one."""
+    if not parts:
+        raise BadParameter("no rows were given")
+
+    def rows(s: Floats) -> Rows:
+        found = [part(s) for part in parts]
+        return {key: np.concatenate([part[key] for part in found], axis=-1) for key in ("a", "b", "d", "c", "low", "high")}
+
+    return rows

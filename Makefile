@@ -57,7 +57,7 @@ $(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/p
 	@touch $@
 
 $(VENV)/.tested: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet -c constraints.txt '.[figures,mujoco,test]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,figures,mujoco,test]'
 	@touch $@
 
 clean:

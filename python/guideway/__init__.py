@@ -64,7 +64,7 @@ from guideway.errors import (
 from guideway.records import Box, Budget, Disc, Limits, Polygon, progress
 
 if TYPE_CHECKING:
-    from guideway import io, plants, scenes, schemas, view
+    from guideway import arm, io, plants, scenes, schemas, view
     from guideway.driving import drive
 
 __all__ = [
@@ -96,6 +96,7 @@ __all__ = [
     "Trajectory",
     "World",
     "__version__",
+    "arm",
     "ceiling",
     "certify",
     "controllers",
@@ -128,7 +129,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads the heavier parts when they are first used: a quick start matters on the command line."""
-    if name in ("io", "plants", "scenes", "schemas", "view"):
+    if name in ("arm", "io", "plants", "scenes", "schemas", "view"):
         return importlib.import_module(f"guideway.{name}")
     if name == "drive":
         from guideway.driving import drive

@@ -24,7 +24,7 @@ SINGULAR = 0.005
 JUMP = 0.3
 """Largest step of a joint (rad) from one point of a path to the next that counts as one branch; points are added between others before."""
 
-_STEP, _ROUNDS, _DEPTH = 1e-10, 30, 12
+_STEP, _ROUNDS, _DEPTH, _EVERY = 1e-10, 30, 12, 16
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ class Solver:
 
     def residual(self, q: Floats, target: Any) -> Floats:
         """What is missing to the pose, as a twist (6,) in the tip's frame; the Jacobian is that of the same posture."""
-        full = self.arm.coupling @ q + self.arm.offset
-        self.jacobian = self.pin.computeFrameJacobian(self.model, self.data, full, self.index) @ self.arm.coupling
+        self.pin.computeJointJacobians(self.model, self.data, self.arm.coupling @ q + self.arm.offset)
+        self.jacobian = self.pin.getFrameJacobian(self.model, self.data, self.index, self.pin.LOCAL) @ self.arm.coupling
         return self.pin.log6(self.pin.updateFramePlacement(self.model, self.data, self.index).actInv(target)).vector
 
     def solve(self, target: Any, q: Floats, rounds: int = _ROUNDS) -> tuple[Floats, bool]:
@@ -141,11 +141,23 @@ def follow(arm: Arm, pose_at: Callable[[Floats], Floats], w: Floats, posture: Ar
     (default: the middle of the joint ranges); each further one continues the one before. Raises ``NoPath`` with the place where a point is out of
     reach, where the path runs into a singular posture, and where it leaves the joint limits.
     """
-    solver, poses = Solver(arm), pose_at(w)
+    solver = Solver(arm)
     start = np.asarray(posture if posture is not None else middle(arm), float)
     if start.shape != (arm.joints,) or not np.isfinite(start).all():
         raise BadParameter(f"posture of shape {start.shape} cannot be used: {arm.joints} finite joint values, rad")
-    q = np.empty((len(w), arm.joints))
+    poses = pose_at(w)
+    coarse = np.unique(np.append(np.arange(0, len(w), _EVERY), len(w) - 1)) if arm.joints == 6 else np.arange(len(w))
+    q = _walk(solver, pose_at, w[coarse], poses[coarse], start)
+    if len(coarse) < len(w):
+        guess = np.column_stack([np.interp(w, w[coarse], column) for column in q.T])
+        filled = _polished(arm, poses, guess)
+        q = filled if filled is not None else _walk(solver, pose_at, w, poses, start)
+    return _checked(arm, w, q, poses)
+
+
+def _walk(solver: Solver, pose_at: Callable[[Floats], Floats], w: Floats, poses: Floats, start: Floats) -> Floats:
+    """One posture after the other."""
+    q = np.empty((len(w), len(start)))
     q[0], reached = solver.solve(solver.target(poses[0]), start, 200)
     if not reached:
         raise _unreachable(solver, poses[0], q[0], " at the start of the path")
@@ -154,7 +166,27 @@ def follow(arm: Arm, pose_at: Callable[[Floats], Floats], w: Floats, posture: Ar
         q[k], reached = solver.solve(solver.target(poses[k]), guess, 8)
         if not reached or np.max(np.abs(q[k] - q[k - 1])) > JUMP:
             q[k] = _creep(solver, pose_at, (w[k - 1], w[k]), q[k - 1])
-    return _checked(arm, w, q, poses)
+    return q
+
+
+def _polished(arm: Arm, poses: Floats, q: Floats) -> Floats | None:
+    """All postures at once by Newton steps from good guesses; None where one of them does not settle near its guess."""
+    guess = q
+    for _ in range(8):
+        found, jacobians = arm.kinematics(q)
+        turn = np.einsum("kij,klj->kil", poses[:, :3, :3], found[:, :3, :3])
+        spin = np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1) / 2
+        missing = np.concatenate([poses[:, :3, 3] - found[:, :3, 3], spin], axis=1)
+        try:
+            step = np.linalg.solve(jacobians, missing[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            return None
+        q = q + step
+        if np.max(np.abs(q - guess)) > JUMP / 2:
+            return None
+        if np.max(np.abs(step)) < _STEP:
+            return q
+    return None
 
 
 def middle(arm: Arm) -> Floats:
@@ -188,15 +220,15 @@ def _smallest(arm: Arm, q: Floats) -> float:
 
 def _checked(arm: Arm, w: Floats, q: Floats, poses: Floats) -> Branch:
     jacobians = arm.jacobian(q)
-    smallest = np.linalg.svd(jacobians, compute_uv=False)[:, -1]
+    smallest = np.asarray(np.linalg.svd(jacobians, compute_uv=False)[:, -1], float)
     near = int(np.argmin(smallest))
     if smallest[near] < SINGULAR:
-        raise _singular(arm, poses[near], w[near], smallest[near])
+        raise _singular(arm, poses[near], float(w[near]), float(smallest[near]))
     if arm.joints == 6:
         sides = np.sign(np.linalg.det(jacobians))
         flips = np.flatnonzero(np.diff(sides))
         if len(flips):
-            raise _singular(arm, poses[flips[0]], w[flips[0]], 0.0)
+            raise _singular(arm, poses[flips[0]], float(w[flips[0]]), 0.0)
     margin = np.minimum(q - arm.lower, arm.upper - q)
     worst = np.unravel_index(np.argmin(margin), margin.shape)
     if margin[worst] < 0:
@@ -205,14 +237,14 @@ def _checked(arm: Arm, w: Floats, q: Floats, poses: Floats) -> Branch:
             f"the path leaves the range of {name} at {100 * w[worst[0]]:.4g} % of the way: {value:.4f} rad, allowed: "
             f"{arm.lower[worst[1]]:.4f} to {arm.upper[worst[1]]:.4f} rad. Start from another posture, or move the path"
         )
-    return Branch(w, q, smallest, margin.min(axis=1))
+    return Branch(w, q, smallest, np.asarray(margin.min(axis=1), float))
 
 
 def _singular(arm: Arm, pose: Floats, w: float, value: float) -> NoPath:
     x, y, z = pose[:3, 3]
     return NoPath(
-        f"the path runs into a singular posture of {arm.name} at {100 * w:.4g} % of the way, point ({x:.4f}, {y:.4f}, {z:.4f}) m: smallest singular value "
-        f"of the Jacobian {value:.2g}, at least {SINGULAR:g} is asked for. Turn the tool, move the path, or choose another posture"
+        f"the path runs into a singular posture of {arm.name} at {100 * w:.4g} % of the way, point ({x:.4f}, {y:.4f}, {z:.4f}) m: smallest singular "
+        f"value of the Jacobian {value:.2g}, at least {SINGULAR:g} is asked for. Turn the tool, move the path, or choose another posture"
     )
 
 

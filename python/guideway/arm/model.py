@@ -160,17 +160,24 @@ class Arm:
 
     def jacobian(self, q: ArrayLike, frame: str | None = None) -> Floats:
         """Jacobians (..., 6, n) of a link's origin (default the tip), linear over angular part, along the axes of the base."""
+        return self.kinematics(q, frame)[1]
+
+    def kinematics(self, q: ArrayLike, frame: str | None = None) -> tuple[Floats, Floats]:
+        """Poses as of :meth:`forward` and Jacobians as of :meth:`jacobian` at once."""
         postures, single = self._rows(q)
-        index, data, model = self._index(frame), self._data, self.model
+        index, data, model, couple = self._index(frame), self._data, self.model, self.coupling
         pin = pinocchio()
-        base = _frame(model, self.base)
-        found = np.empty((len(postures), 6, self.joints))
+        base, axes = _frame(model, self.base), pin.LOCAL_WORLD_ALIGNED
+        poses, found = np.empty((len(postures), 4, 4)), np.empty((len(postures), 6, self.joints))
+        turns = np.empty((len(postures), 3, 3))
         for k, full in enumerate(self._full(postures)):
-            jacobian = pin.computeFrameJacobian(model, data, full, index, pin.LOCAL_WORLD_ALIGNED)
-            turn = pin.updateFramePlacement(model, data, base).rotation.T
-            jacobian = jacobian @ self.coupling
-            found[k, :3], found[k, 3:] = turn @ jacobian[:3], turn @ jacobian[3:]
-        return found[0] if single else found
+            pin.computeJointJacobians(model, data, full)
+            ground = pin.updateFramePlacement(model, data, base)
+            poses[k] = ground.actInv(pin.updateFramePlacement(model, data, index)).homogeneous
+            turns[k] = ground.rotation
+            found[k] = pin.getFrameJacobian(model, data, index, axes) @ couple
+        found = np.concatenate([np.einsum("kji,kjm->kim", turns, found[:, :3]), np.einsum("kji,kjm->kim", turns, found[:, 3:])], axis=1)
+        return (poses[0], found[0]) if single else (poses, found)
 
     def torques(self, q: ArrayLike, qd: ArrayLike, qdd: ArrayLike) -> Floats:
         """Joint torques (..., n) in N m of a motion, payload and friction included; the sign of Coulomb friction is that of the joint's speed."""

@@ -86,7 +86,7 @@ def _deviation(arm: Arm, path: _core.Path, branch: Branch) -> tuple[float, int]:
     """How far the tip is from its pose at the points that the spline has not seen: the worst, and where."""
     seen = branch.q[1::2]
     s = places(path, branch.q)[1::2]
-    there = path.eval(s)
+    there = path.eval(s)[0]
     # first order is enough here: the spline is within microns of the posture
     twist = np.einsum("kij,kj->ki", arm.jacobian(seen), there - seen)
     off = np.maximum(np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1))
@@ -99,12 +99,12 @@ def places(path: _core.Path, q: Floats) -> Floats:
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))])
     s = way * (path.length / max(way[-1], 1e-300))
     for _ in range(4):
-        ahead = np.sum((q - path.eval(s)) * path.eval(s, 1), axis=1)
-        s = np.clip(s + ahead, 0.0, path.length)
+        there, first = path.eval(s, 1)
+        s = np.clip(s + np.sum((q - there) * first, axis=1), 0.0, path.length)
     return s
 
 
-def star_branches(arm: Arm, nurbs: Nurbs) -> list[JointPath]:
+def all_branches(arm: Arm, nurbs: Nurbs) -> list[JointPath]:
     """The joint paths of a tool path in every branch of its start pose that reaches its end; raises ``NoPath`` where there is none."""
     own = arm_for(arm, nurbs)
     found: list[JointPath] = []
@@ -138,11 +138,11 @@ def load_way_points(path: str | os.PathLike[str], names: tuple[str, ...] | None 
     where, text = name(path), load(path).text()
     first = next((line for line in text.split("\n") if line.strip()), "")
     header = tuple(word.strip() for word in first.split(","))
-    if len(set(header)) != len(header) or not all(header):
-        raise BadFile(where, f"the header is {show(first)}", "different names of joints, separated by commas", "Correct the first line")
     if _number(header[0]) is not None:
         allowed = ",".join(names) if names else "the names of the joints, separated by commas"
         raise BadFile(where, f"the first line {show(first)} is no header", allowed, "Add a first line with the names of the joints")
+    if len(set(header)) != len(header) or not all(header):
+        raise BadFile(where, f"the header is {show(first)}", "different names of joints, separated by commas", "Correct the first line")
     if names is not None and set(header) != set(names):
         strange = [title for title in header if title not in names] or [f"(missing) {title}" for title in names if title not in header]
         raise BadFile(where, f"joint {show(strange[0])} is not of this robot", ", ".join(names), "Name the joints of the robot of --urdf")
@@ -161,18 +161,23 @@ def _number(text: str) -> float | None:
     return None if math.isnan(value) else value
 
 
-def path_of_file(path: str | os.PathLike[str], arm: Arm) -> JointPath:
-    """The joint path of a file of way points (CSV) of an arm, within its joint limits; raises ``BadFile`` and ``NoPath``."""
-    points, names = load_way_points(path, arm.names)
-    found = path_through(points, names, os.fspath(path))
-    check_range(arm, found.path)
+def joint_path(arm: Arm, given: Nurbs | str | os.PathLike[str] | ArrayLike) -> JointPath:
+    """The joint path of an arm: from a tool path, a file of way points (CSV), or way points (n, joints), within its joint limits."""
+    if isinstance(given, Nurbs):
+        return path_of_nurbs(arm, given)
+    if isinstance(given, str | os.PathLike):
+        points, names = load_way_points(given, arm.names)
+        found = path_through(points, names, os.fspath(given))
+    else:
+        found = path_through(given, arm.names)
+    found.report["joint_limit_margin"] = check_range(arm, found.path)
     return found
 
 
 def check_range(arm: Arm, path: _core.Path, count: int = 2001) -> float:
     """The distance to the nearest joint limit along a path, rad; raises ``NoPath`` where it is left."""
     s = np.linspace(0.0, path.length, count)
-    q = path.eval(s)
+    q = path.eval(s)[0]
     margin = np.minimum(q - arm.lower, arm.upper - q)
     worst = np.unravel_index(np.argmin(margin), margin.shape)
     if margin[worst] < 0:

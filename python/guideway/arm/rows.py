@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from guideway.arm.extra import pinocchio
 from guideway.arm.limits import JointLimits
 from guideway.arm.model import STILL, Arm, _frame
-from guideway.errors import BadParameter
+from guideway.errors import BadParameter, Infeasible
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +36,7 @@ so it is kept exactly and 0.9 % of it is given away at most."""
 def torque_coefficients(arm: Arm, path: Path, s: Floats) -> Rows:
     """Coefficients ``a, b, d, c`` of the joint torques at places ``s`` (n,), each (n, joints), payload and friction included, N m."""
     arm.need_inertials()
-    q, first, second = (np.ascontiguousarray(path.eval(s, order)) for order in range(3))
+    q, first, second = path.eval(s, 2)
     return coefficients_of(arm, q, first, second)
 
 
@@ -57,7 +57,7 @@ def coefficients_of(arm: Arm, q: Floats, first: Floats, second: Floats) -> Rows:
 def torque_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
     """A callable ``rows(s)`` for the solver: torques of all joints within ``limits.torque`` (default the robot's own), either way.
 
-    Raises ``BadParameter`` without inertials or torque limits, and where gravity and Coulomb friction alone exceed a limit.
+    Raises ``BadParameter`` without inertials or torque limits.
     """
     arm.need_inertials()
     bound = limits.per_joint("torque", arm.joints)
@@ -77,7 +77,7 @@ def torque_names(arm: Arm) -> list[str]:
 
 
 def check_static(arm: Arm, path: Path, limits: JointLimits, count: int = 400) -> None:
-    """Raises ``BadParameter`` where the arm cannot even hold itself still on the path: the worst joint and place."""
+    """Raises ``Infeasible`` where the arm cannot even hold itself still on the path: the worst joint and place."""
     bound = limits.per_joint("torque", arm.joints)
     if bound is None:
         return
@@ -85,7 +85,7 @@ def check_static(arm: Arm, path: Path, limits: JointLimits, count: int = 400) ->
     load = np.abs(torque_coefficients(arm, path, s)["c"])
     worst = np.unravel_index(np.argmax(load / bound), load.shape)
     if load[worst] > bound[worst[1]]:
-        raise BadParameter(
+        raise Infeasible(
             f"static overload: at s = {s[worst[0]]:.4g} rad of {path.length:.4g} rad, gravity and friction alone ask {load[worst]:.4g} N m of "
             f"{arm.names[worst[1]]}, its limit is {bound[worst[1]]:.4g} N m. Carry less, take another posture or raise the limit"
         )
@@ -95,7 +95,7 @@ def tip_derivatives(arm: Arm, path: Path, s: Floats) -> tuple[Floats, Floats]:
     """First and second derivative of the tip's position by the path's arc length at places ``s`` (n,), each (n, 3), m/rad and m/rad2."""
     pin, model, data, couple = pinocchio(), arm.model, arm._data, arm.coupling
     index = _frame(model, arm.tip)
-    q, first, second = (path.eval(s, order) for order in range(3))
+    q, first, second = path.eval(s, 2)
     one, two = np.empty((len(s), 3)), np.empty((len(s), 3))
     frame = pin.LOCAL_WORLD_ALIGNED
     for k, row in enumerate(zip(q @ couple.T + arm.offset, first @ couple.T, second @ couple.T, strict=True)):

@@ -143,7 +143,9 @@ def _one_tree(where: str, links: dict[str, ElementTree.Element], joints: dict[st
         if joint.mimic and (joint.mimic[0] not in joints or joints[joint.mimic[0]].mimic):
             raise BadFile(f"{where}, joint {joint.name}", f"it follows {show(joint.mimic[0])}", "a driven joint of this file", "Correct the name")
     if len(links) - len(children) != 1:
-        raise BadFile(where, f"{len(links) - len(children)} links hang on no joint", "one root", "Join the parts, or take those away that are not needed")
+        raise BadFile(
+            where, f"{len(links) - len(children)} links hang on no joint", "one root", "Join the parts, or take those away that are not needed"
+        )
     reached, front = set[str](), [link for link in links if link not in children]
     while front:
         link = front.pop()

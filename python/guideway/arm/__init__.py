@@ -1,0 +1,69 @@
+"""Robot arms: kinematics, dynamics, paths, time-optimal motion along them, its safety and its files. Needs ``pip install 'guideway[arm]'``.
+
+>>> import guideway as gw
+>>> arm = gw.arm.robot("ur5e")
+>>> path = gw.arm.joint_path(arm, gw.arm.star())
+>>> round(path.path.length, 4)
+3.5684
+
+SI units, radians; joints in the order from the root to the tip. Names are loaded when they are first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from guideway.arm.build import ROBOTS, robot, ur5e_from_dh, ur5e_rows
+    from guideway.arm.inverse import Branch, branches, follow, solve
+    from guideway.arm.limits import JointLimits, load_limits
+    from guideway.arm.model import REFERENCE_FRICTION, Arm, Friction, Payload
+    from guideway.arm.nurbs import STAR_POSTURE, STAR_TORQUE, Nurbs, load_nurbs, star
+    from guideway.arm.paths import JointPath, all_branches, joint_path, load_way_points
+    from guideway.arm.rows import torque_coefficients, torque_rows
+
+_HOME = {
+    **dict.fromkeys(("ROBOTS", "robot", "ur5e_from_dh", "ur5e_rows"), "build"),
+    **dict.fromkeys(("Branch", "branches", "follow", "solve"), "inverse"),
+    **dict.fromkeys(("JointLimits", "load_limits"), "limits"),
+    **dict.fromkeys(("REFERENCE_FRICTION", "Arm", "Friction", "Payload"), "model"),
+    **dict.fromkeys(("STAR_POSTURE", "STAR_TORQUE", "Nurbs", "load_nurbs", "star"), "nurbs"),
+    **dict.fromkeys(("JointPath", "all_branches", "joint_path", "load_way_points"), "paths"),
+    **dict.fromkeys(("torque_coefficients", "torque_rows"), "rows"),
+}
+
+__all__ = [
+    "REFERENCE_FRICTION",
+    "ROBOTS",
+    "STAR_POSTURE",
+    "STAR_TORQUE",
+    "Arm",
+    "Branch",
+    "Friction",
+    "JointLimits",
+    "JointPath",
+    "Nurbs",
+    "Payload",
+    "all_branches",
+    "branches",
+    "follow",
+    "joint_path",
+    "load_limits",
+    "load_nurbs",
+    "load_way_points",
+    "robot",
+    "solve",
+    "star",
+    "torque_coefficients",
+    "torque_rows",
+    "ur5e_from_dh",
+    "ur5e_rows",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Loads a part when it is first used."""
+    if name in _HOME:
+        return getattr(importlib.import_module(f"guideway.arm.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'guideway.arm' has no attribute {name!r}")

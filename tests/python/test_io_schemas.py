@@ -63,7 +63,23 @@ SCENE: dict[str, Any] = {
     "robot": {"footprint": {"disc": 0.2}, "speed": 2},
     "query": {"start": [0, 0], "goal": [5, 3], "clearance": 0.3},
 }
-GOOD = {"plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
+ARM: dict[str, Any] = {
+    "guideway": "0.1.0",
+    "schema": 1,
+    "kind": "arm",
+    "joints": ["a", "b"],
+    "duration": 1.0,
+    "limits": {"speed": [1, 2], "acceleration": 3, "torque": [40, 20], "tip_speed": 0.5},
+    "t": [0, 1],
+    "q": [[0, 0], [1, 1]],
+    "qd": [[0, 0], [0, 0]],
+    "qdd": [[0, 0], [0, 0]],
+    "path": {"degree": 1, "knots": [0, 0, 1, 1], "control_points": [[0, 0], [1, 1]], "length": 1.4, "source": None},
+    "pieces": [{"t": 0, "s": 0, "speed": 0, "acceleration": 1, "jerk": 0, "duration": 1}],
+    "grid": {"s": [0, 1], "x": [0, 0], "mvc": [None, 1], "active": ["speed of a", None]},
+    "report": {},
+}
+GOOD = {"arm": ARM, "plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
 
 
 def accepts(name: str, value: object) -> bool:
@@ -82,6 +98,10 @@ def test_schema_is_valid_and_every_required_field_counts(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "path", "value"),
     [
+        ("arm", ["limits", "speed"], 0),
+        ("arm", ["limits", "haste"], 1),
+        ("arm", ["pieces", 0, "duration"], 0),
+        ("arm", ["q", 0], 1),
         ("plan", ["schema"], 2),
         ("plan", ["world", "sha256"], "abc"),
         ("plan", ["query", "footprint"], {"disc": 1, "box": [1, 1]}),

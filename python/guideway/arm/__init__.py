@@ -16,21 +16,33 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from guideway.arm.build import ROBOTS, robot, ur5e_from_dh, ur5e_rows
+    from guideway.arm.certificate import certify
+    from guideway.arm.collisions import Surroundings
     from guideway.arm.inverse import Branch, branches, follow, solve
     from guideway.arm.limits import JointLimits, load_limits
     from guideway.arm.model import REFERENCE_FRICTION, Arm, Friction, Payload
+    from guideway.arm.motion import ArmMotion
     from guideway.arm.nurbs import STAR_POSTURE, STAR_TORQUE, Nurbs, load_nurbs, star
-    from guideway.arm.paths import JointPath, all_branches, joint_path, load_way_points
+    from guideway.arm.outputs import csv_text, load_motion, record, ros_yaml, urscript
+    from guideway.arm.paths import JointPath, all_branches, arm_for, joint_path, load_way_points
     from guideway.arm.rows import torque_coefficients, torque_rows
+    from guideway.arm.shapes import Scene, load_scene
+    from guideway.arm.timing import time
 
 _HOME = {
     **dict.fromkeys(("ROBOTS", "robot", "ur5e_from_dh", "ur5e_rows"), "build"),
+    "certify": "certificate",
+    "Surroundings": "collisions",
     **dict.fromkeys(("Branch", "branches", "follow", "solve"), "inverse"),
     **dict.fromkeys(("JointLimits", "load_limits"), "limits"),
     **dict.fromkeys(("REFERENCE_FRICTION", "Arm", "Friction", "Payload"), "model"),
+    "ArmMotion": "motion",
     **dict.fromkeys(("STAR_POSTURE", "STAR_TORQUE", "Nurbs", "load_nurbs", "star"), "nurbs"),
-    **dict.fromkeys(("JointPath", "all_branches", "joint_path", "load_way_points"), "paths"),
+    **dict.fromkeys(("csv_text", "load_motion", "record", "ros_yaml", "urscript"), "outputs"),
+    **dict.fromkeys(("JointPath", "all_branches", "arm_for", "joint_path", "load_way_points"), "paths"),
     **dict.fromkeys(("torque_coefficients", "torque_rows"), "rows"),
+    **dict.fromkeys(("Scene", "load_scene"), "shapes"),
+    "time": "timing",
 }
 
 __all__ = [
@@ -39,26 +51,38 @@ __all__ = [
     "STAR_POSTURE",
     "STAR_TORQUE",
     "Arm",
+    "ArmMotion",
     "Branch",
     "Friction",
     "JointLimits",
     "JointPath",
     "Nurbs",
     "Payload",
+    "Scene",
+    "Surroundings",
     "all_branches",
+    "arm_for",
     "branches",
+    "certify",
+    "csv_text",
     "follow",
     "joint_path",
     "load_limits",
+    "load_motion",
     "load_nurbs",
+    "load_scene",
     "load_way_points",
+    "record",
     "robot",
+    "ros_yaml",
     "solve",
     "star",
+    "time",
     "torque_coefficients",
     "torque_rows",
     "ur5e_from_dh",
     "ur5e_rows",
+    "urscript",
 ]
 
 

@@ -120,6 +120,17 @@ class Arm:
         return from_rows(rows, name=name, **limits)
 
     @property
+    def followers(self) -> dict[str, tuple[str, ...]]:
+        """Joints that follow a driven one (mimic joints), by its name."""
+        found: dict[str, tuple[str, ...]] = {}
+        for column, name in enumerate(self.names):
+            moved = [
+                str(title) for title in list(self.model.names)[1:] if self.coupling[self.model.joints[self.model.getJointId(title)].idx_v, column]
+            ]
+            found[name] = tuple(title for title in moved if title != name)
+        return found
+
+    @property
     def joints(self) -> int:
         """How many joints are driven."""
         return len(self.names)

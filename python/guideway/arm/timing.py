@@ -1,0 +1,146 @@
+"""Time-optimal motion of an arm along a path: limits and rows in, a certified motion out. The solver is in the core."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from guideway import _core
+from guideway.arm import rows as rows_of
+from guideway.arm.limits import JointLimits
+from guideway.arm.model import Arm
+from guideway.arm.motion import ArmMotion, pieces_of
+from guideway.arm.nurbs import Nurbs
+from guideway.arm.paths import JointPath, joint_path
+from guideway.errors import BadParameter, CertificateFailed
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+METHODS = ("reachability", "bisection")
+
+
+def time(
+    path: JointPath | _core.Path | Nurbs | str | os.PathLike[str] | ArrayLike,
+    limits: JointLimits | Mapping[str, Any] | None = None,
+    arm: Arm | None = None,
+    *,
+    method: str = "reachability",
+    torque: bool | None = None,
+    jerk: bool | None = None,
+    start_speed: float = 0.0,
+    end_speed: float = 0.0,
+    grid: int | None = None,
+    windows: Any = None,
+    observe: Callable[[dict[str, Any]], bool] | None = None,
+    check: bool = True,
+) -> ArmMotion:
+    """The fastest motion along a path of joints under the limits.
+
+    ``path``: a joint path, or with ``arm`` a tool path, a file of way points, way points (n, joints). ``limits`` are filled up from the robot's
+    description, the acceleration by :data:`guideway.arm.limits.ACCELERATION`. ``torque``: whether torques count (default: where limits state
+    them; with True the robot's own, where they do not). ``jerk``: whether jerk and torque rate count (default: where limits state them).
+    ``start_speed`` and ``end_speed`` are path speeds, rad/s; ``grid`` fixes the number of points (default: chosen by error); ``windows`` bound the
+    time at places, as :func:`guideway._core.time_joints` takes them. With ``check`` the result is certified against all limits.
+
+    Raises ``BadParameter``, ``NoPath``, ``Infeasible`` (static overload, boundary speeds, windows), ``CertificateFailed``.
+    """
+    if method not in METHODS:
+        raise BadParameter(f"method {method!r} is not known; allowed: {', '.join(METHODS)}")
+    given, arm = _path(path, arm)
+    asked = complete(JointLimits.of(limits), arm, torque)
+    if asked.torque is not None and torque is not False:
+        if arm is None:
+            raise BadParameter("torque limits need an arm: give arm=, or leave torque out")
+        rows_of.check_static(arm, given.path, asked)
+    rows, names, ceiling = demands(arm, given.path, asked, torque is not False)
+    joints = len(given.names)
+    rough = asked.jerk is None and asked.torque_rate is None
+    core: Any = _core
+    found = core.time_joints(
+        given.path,
+        asked.to_dict(joints),
+        method=method,
+        rows=rows,
+        row_names=names,
+        ceiling=ceiling,
+        start_speed=start_speed,
+        end_speed=end_speed,
+        grid=grid,
+        jerk=not rough if jerk is None else jerk,
+        windows=windows,
+        observe=observe,
+    )
+    motion = _motion(found, given, asked, arm, method)
+    if check and len(motion.pieces):
+        certificate = motion.certify(collisions=False)
+        motion.report["certificate"] = certificate
+        if not certificate["ok"] and grid is None:
+            raise CertificateFailed("timing: " + "; ".join(_failed(check) for check in certificate["checks"] if not check["ok"]))
+    return motion
+
+
+def _failed(check: dict[str, Any]) -> str:
+    return f"{check['name']} reaches {check['ratio']:.9f} of its limit at t = {check['t']:.4f} s"
+
+
+def _path(path: Any, arm: Arm | None) -> tuple[JointPath, Arm | None]:
+    if isinstance(path, JointPath):
+        if arm is not None and path.names != arm.names:
+            raise BadParameter(f"the path's joints {', '.join(path.names)} are not those of {arm.name}: {', '.join(arm.names)}")
+        return path, arm
+    if isinstance(path, _core.Path):
+        joints = path.control_points.shape[1]
+        if arm is not None and arm.joints != joints:
+            raise BadParameter(f"the path has {joints} joints, {arm.name} has {arm.joints}")
+        return JointPath(path, arm.names if arm is not None else tuple(f"joint {k + 1}" for k in range(joints))), arm
+    if arm is None:
+        if isinstance(path, Nurbs | str | os.PathLike):
+            raise BadParameter("a tool path and a file of way points need an arm: give arm=")
+        points = np.atleast_2d(np.asarray(path, float))
+        from guideway.arm.paths import path_through
+
+        return path_through(points, tuple(f"joint {k + 1}" for k in range(points.shape[1]))), None
+    return joint_path(arm, path), arm
+
+
+def complete(limits: JointLimits, arm: Arm | None, torque: bool | None) -> JointLimits:
+    """Limits with what the robot's description and the defaults add."""
+    if arm is None:
+        if limits.speed is None and limits.acceleration is None:
+            raise BadParameter("no limits were given: at least speed or acceleration are needed")
+        return limits
+    own = JointLimits() if limits.speed is not None else JointLimits(speed=arm.speed_limits())
+    if torque and limits.torque is None:
+        own = own.over(JointLimits(torque=arm.torque_limits()))
+    if limits.acceleration is None:
+        from guideway.arm.limits import ACCELERATION
+
+        own = own.over(JointLimits(acceleration=ACCELERATION))
+    return limits.over(own)
+
+
+def demands(arm: Arm | None, path: _core.Path, limits: JointLimits, torque: bool = True) -> tuple[Any, list[str] | None, Any]:
+    """Rows, their names and the speed ceiling for the solver: torques, the tip's speed and acceleration; None where nothing is asked."""
+    parts, names = [], []
+    if limits.torque is not None and torque and arm is not None:
+        parts.append(rows_of.torque_rows(arm, path, limits))
+        names += rows_of.torque_names(arm)
+    if arm is None and (limits.tip_speed is not None or limits.tip_acceleration is not None):
+        raise BadParameter("limits of the tip need an arm: give arm=")
+    ceiling = None
+    if arm is not None and limits.tip_acceleration is not None:
+        parts.append(rows_of.tip_rows(arm, path, limits.tip_acceleration))
+        names += ["acceleration of the tip"] * rows_of.DIRECTIONS
+    if arm is not None and limits.tip_speed is not None:
+        ceiling = rows_of.tip_ceiling(arm, path, limits.tip_speed)
+    return (rows_of.joined(parts) if parts else None), (names or None), ceiling
+
+
+def _motion(found: Any, path: JointPath, limits: JointLimits, arm: Arm | None, method: str) -> ArmMotion:
+    grid = {"s": np.asarray(found.s), "x": np.asarray(found.x), "mvc": np.asarray(found.mvc), "active": list(found.active)}
+    report = {"method": method, "solver": found.report, "price": found.price}
+    return ArmMotion(path, pieces_of(found.pieces), limits, arm, grid, report)

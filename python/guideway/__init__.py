@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from guideway import errors
 from guideway._core import (
+    JointMotion,
     Minimum,
     Path,
     Pilot,
@@ -45,6 +46,7 @@ from guideway._core import (
     refine,
     scurve,
     time,
+    time_joints,
     tour,
 )
 from guideway.errors import (
@@ -78,6 +80,7 @@ __all__ = [
     "GoalBlocked",
     "GuidewayError",
     "Infeasible",
+    "JointMotion",
     "Limits",
     "Minimum",
     "NoPath",
@@ -122,6 +125,7 @@ __all__ = [
     "schemas",
     "scurve",
     "time",
+    "time_joints",
     "tour",
     "view",
 ]

@@ -135,6 +135,58 @@ class Path:
     def planar(self, s: ArrayLike) -> _Floats: ...
 
 @final
+class JointMotion:
+    """A timed motion of joints along a path."""
+
+    @property
+    def path(self) -> Path: ...
+    @property
+    def duration(self) -> float: ...
+    @property
+    def s(self) -> _Floats: ...
+    @property
+    def x(self) -> _Floats: ...
+    @property
+    def u(self) -> _Floats: ...
+    @property
+    def mvc(self) -> _Floats: ...
+    @property
+    def active(self) -> list[str]: ...
+    @property
+    def pieces(self) -> list[dict[str, float]]: ...
+    @property
+    def report(self) -> dict[str, Any]: ...
+    def at(self, t: float) -> dict[str, Any]: ...
+    def sample(self, rate: float | None = None, *, times: ArrayLike | None = None) -> dict[str, _Floats]: ...
+
+def time_joints(
+    path: Path,
+    limits: Mapping[str, Any],
+    *,
+    method: str = "reachability",
+    rows: Callable[[_Floats], Mapping[str, Any]] | None = None,
+    row_names: Sequence[str] | None = None,
+    ceiling: Callable[[_Floats], ArrayLike] | None = None,
+    start_speed: float = 0.0,
+    end_speed: float = 0.0,
+    grid: int | None = None,
+    tolerance: float = ...,
+    check: int = 20,
+    tighten: bool = True,
+) -> JointMotion: ...
+def topp_kernel(
+    s: _Floats,
+    x_max: _Floats,
+    a: _Floats,
+    b: _Floats,
+    c: _Floats | None,
+    low: ArrayLike,
+    high: ArrayLike,
+    d: _Floats | None = None,
+    *,
+    ends: tuple[float, float] = ...,
+) -> _Floats: ...
+@final
 class Solution:
     """What a planner returned."""
 

@@ -15,6 +15,7 @@ mod query;
 mod refine;
 mod scurve;
 mod speed_map;
+mod topp;
 mod tour;
 mod world;
 
@@ -48,6 +49,8 @@ mod _core {
     use crate::scurve::{Profile, scurve};
     #[pymodule_export]
     use crate::speed_map::SpeedMap;
+    #[pymodule_export]
+    use crate::topp::{JointMotion, time_joints, topp_kernel};
     #[pymodule_export]
     use crate::tour::tour;
     #[pymodule_export]

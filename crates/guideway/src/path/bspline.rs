@@ -127,6 +127,14 @@ impl Path {
         self.lazy.get(self)
     }
 
+    /// Control rows of the polynomial pieces of positive length in Bernstein form, and anchors of the arc length: piece, its parameter, arc length (m),
+    /// so close that eight Gauss nodes give the length from one to the next.
+    pub(crate) fn pieces(&self) -> (Vec<f64>, Vec<(usize, f64, f64)>) {
+        let table = self.table();
+        let control = (0..table.spans.len()).flat_map(|i| table.piece(i).iter().copied()).collect();
+        (control, table.leaves.iter().map(|leaf| (leaf.piece, leaf.t[0], leaf.s[0])).collect())
+    }
+
     /// The knot spans of positive length as planar Bezier pieces, in order. The curve is their union; each lies in the convex hull of its points.
     pub fn beziers(&self) -> Vec<Bezier> {
         let spans = (self.degree..self.count()).filter(|&k| self.knots[k] < self.knots[k + 1]);

@@ -10,6 +10,7 @@ pub mod movers;
 mod overspeed;
 mod profile;
 pub mod scurve;
+pub mod topp;
 mod trace;
 mod trajectory;
 mod trapezoid;

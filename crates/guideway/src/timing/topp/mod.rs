@@ -1,0 +1,157 @@
+//! Time-optimal motion along a path under limits of joint speed and acceleration and any limit of the form
+//! `low <= a u + b x + d sqrt(x) + c <= high` in the path acceleration `u` and the squared path speed `x`, torque for one.
+//!
+//! Sources: reachability analysis of \[pham2018\], bisection of \[barnett2021\]; departures in docs/methods/topp.md. The path parameter is the arc length in
+//! joint space, rad.
+
+mod bisection;
+mod check;
+mod course;
+mod grid;
+mod kernel;
+mod limits;
+mod motion;
+mod problem;
+mod refuse;
+mod rows;
+mod solve;
+mod strips;
+#[cfg(test)]
+mod tests;
+
+pub use kernel::kernel;
+pub use limits::{JointLimits, PerJoint};
+pub use motion::{JointMotion, JointState};
+pub use problem::{CeilingAt, Demands, RowsAt};
+pub use rows::Rows;
+
+use crate::error::PlanError;
+use crate::path::Path;
+use check::Binding;
+use course::Course;
+use serde::Serialize;
+use solve::{Solved, Solver};
+
+/// How the profile on a grid is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TopMethod {
+    /// Controllable sets backward, greedily forward: exact on its grid.
+    #[default]
+    Reachability,
+    /// Bisection on the speed, node by node.
+    Bisection,
+}
+
+/// What a time-optimal motion is asked besides its limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TopOptions {
+    /// How.
+    pub method: TopMethod,
+    /// Path speed at the start, rad/s.
+    pub start_speed: f64,
+    /// Path speed at the end, rad/s.
+    pub end_speed: f64,
+    /// Number of intervals of equal length; `None`: chosen so that the time lost by the grid is below `tolerance`.
+    pub grid: Option<usize>,
+    /// Time that the grid may cost, as a share of the duration (an estimate, see the docs).
+    pub tolerance: f64,
+    /// Places per interval at which all limits are checked.
+    pub check: usize,
+    /// Whether limits are tightened on a fixed grid as well until the check passes.
+    pub tighten: bool,
+}
+
+impl Default for TopOptions {
+    fn default() -> Self {
+        Self { method: TopMethod::default(), start_speed: 0.0, end_speed: 0.0, grid: None, tolerance: 3e-4, check: 20, tighten: true }
+    }
+}
+
+/// How a motion was found.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Grid points tried in all rounds.
+    pub points: usize,
+    /// Rounds in which the grid was refined.
+    pub refinements: usize,
+    /// Rounds in which limits were tightened between grid points.
+    pub tightenings: usize,
+    /// Largest excess over a limit before tightening, as a share of the limit, on the dense check.
+    pub first_excess: f64,
+    /// Largest excess of the result, as a share of the limit, on the dense check.
+    pub excess: f64,
+    /// Factor by which the whole motion was slowed down at last; 0: it was not.
+    pub slowed: f64,
+}
+
+/// The fastest motion along `path` under limits of its joints and `demands`.
+/// # Errors
+/// [`PlanError::Infeasible`] names the limit and the place, [`PlanError::BadParameter`] the value that is not allowed; what a callback raises.
+pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, demands: &mut Demands) -> Result<JointMotion, PlanError> {
+    let bounds = limits.bounds(path.dimension())?;
+    options.validate()?;
+    let course = Course::new(path);
+    if course.count() == 0 {
+        let (active, mvc) = (vec![String::new()], vec![0.0]);
+        return Ok(JointMotion { path: path.clone(), s: vec![0.0], x: vec![0.0], u: vec![], active, mvc, pieces: vec![], report: Report::default() });
+    }
+    let solved = Solver { course: &course, bounds: &bounds, options, demands }.solve()?;
+    Ok(told(path, &solved, &bounds, &demands.names))
+}
+
+/// The solution with what binds where.
+fn told(path: &Path, solved: &Solved, bounds: &limits::Bounds, names: &[String]) -> JointMotion {
+    let (s, x) = (&solved.problem.s, &solved.x);
+    let n = s.len() - 1;
+    let name = |k: usize| match solved.used[k.min(n - 1)].binding {
+        Binding::Speed(i) => format!("speed of joint {}", i + 1),
+        Binding::Acceleration(i) => format!("acceleration of joint {}", i + 1),
+        Binding::Row(i) => names.get(i).cloned().unwrap_or_else(|| format!("row {}", i + 1)),
+        Binding::Ceiling => "ceiling".to_owned(),
+    };
+    let strips = solved.problem.strips(bounds, Some(x));
+    let mvc = (0..=n).map(|k| strips.highest(k.min(n - 1)).unwrap_or(0.0).min(solved.problem.ceiling[k]));
+    JointMotion {
+        path: path.clone(),
+        u: solved.legs.iter().map(|leg| leg.acceleration).collect(),
+        active: (0..=n).map(name).collect(),
+        mvc: mvc.collect(),
+        pieces: motion::pieces(s, &solved.legs),
+        s: s.clone(),
+        x: x.clone(),
+        report: solved.report.clone(),
+    }
+}
+
+impl TopMethod {
+    /// From its name.
+    /// # Errors
+    /// [`PlanError::BadParameter`] names the valid ones.
+    pub fn named(name: &str) -> Result<Self, PlanError> {
+        match name {
+            "reachability" => Ok(Self::Reachability),
+            "bisection" => Ok(Self::Bisection),
+            other => Err(PlanError::bad("method", other, "reachability or bisection")),
+        }
+    }
+}
+
+impl TopOptions {
+    fn validate(&self) -> Result<(), PlanError> {
+        for (name, v) in [("start_speed", self.start_speed), ("end_speed", self.end_speed)] {
+            if !(v >= 0.0 && v.is_finite()) {
+                return Err(PlanError::bad(name, v, "a path speed >= 0, rad/s"));
+            }
+        }
+        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
+            return Err(PlanError::bad("tolerance", self.tolerance, "above 0, below 1"));
+        }
+        if let Some(n) = self.grid.filter(|n| !(2..=1_000_000).contains(n)) {
+            return Err(PlanError::bad("grid", n, "2 to 1000000 intervals"));
+        }
+        if !(1..=1000).contains(&self.check) {
+            return Err(PlanError::bad("check", self.check, "1 to 1000 places per interval"));
+        }
+        Ok(())
+    }
+}

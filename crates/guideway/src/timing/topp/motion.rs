@@ -1,0 +1,144 @@
+//! A timed motion of joints along a path.
+
+use super::Report;
+use crate::path::Path;
+use crate::timing::Piece;
+use crate::timing::scurve::advance;
+
+/// A motion along a path of any dimension: where it is when, and what holds it back where.
+#[derive(Debug, Clone)]
+pub struct JointMotion {
+    /// The path it follows, rad.
+    pub path: Path,
+    /// Arc lengths of the grid, rad.
+    pub s: Vec<f64>,
+    /// Squared path speed at the grid, rad2/s2.
+    pub x: Vec<f64>,
+    /// Path acceleration between grid points, rad/s2.
+    pub u: Vec<f64>,
+    /// What is nearest to its bound on the interval that begins at each grid point (at the last: that ends there).
+    pub active: Vec<String>,
+    /// Maximum velocity curve at the grid: the squared path speed no motion can exceed there, rad2/s2.
+    pub mvc: Vec<f64>,
+    /// Stretches of constant path jerk in time order, [`Piece::Along`].
+    pub pieces: Vec<Piece>,
+    /// How it was found.
+    pub report: Report,
+}
+
+/// State of the joints at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointState {
+    /// s.
+    pub t: f64,
+    /// Arc length, rad.
+    pub s: f64,
+    /// Path speed, rad/s.
+    pub speed: f64,
+    /// Path acceleration, rad/s2.
+    pub acceleration: f64,
+    /// Path jerk, rad/s3.
+    pub jerk: f64,
+    /// Joint positions, speeds, accelerations and jerks: rad, rad/s, rad/s2, rad/s3.
+    pub joints: [Vec<f64>; 4],
+}
+
+impl JointMotion {
+    /// Total time, s.
+    pub fn duration(&self) -> f64 {
+        self.pieces.last().map_or(0.0, |piece| piece.start() + piece.duration())
+    }
+
+    /// State at time `t` (s), clamped to the motion; at a change of pieces, that of the later one.
+    pub fn at(&self, t: f64) -> JointState {
+        let t = t.clamp(0.0, self.duration());
+        let i = self.pieces.partition_point(|p| p.start() <= t).saturating_sub(1);
+        let (s, speed, acceleration, jerk) = match self.pieces.get(i) {
+            Some(Piece::Along { t: start, s, speed, acceleration, jerk, duration }) => {
+                let (s, v, a) = advance((*s, *speed, *acceleration), *jerk, (t - start).min(*duration));
+                (s, v.max(0.0), a, *jerk)
+            }
+            _ => (0.0, 0.0, 0.0, 0.0),
+        };
+        let q = self.path.eval(s, 3);
+        let joints = |f: &dyn Fn(usize) -> f64| (0..self.path.dimension()).map(f).collect::<Vec<f64>>();
+        let speeds = joints(&|i| q[1][i] * speed);
+        let accelerations = joints(&|i| q[1][i] * acceleration + q[2][i] * speed * speed);
+        let jerks = joints(&|i| q[1][i] * jerk + 3.0 * q[2][i] * speed * acceleration + q[3][i] * speed * speed * speed);
+        JointState { t, s, speed, acceleration, jerk, joints: [q[0].clone(), speeds, accelerations, jerks] }
+    }
+
+    /// States at times (s).
+    pub fn sample(&self, times: &[f64]) -> Vec<JointState> {
+        times.iter().map(|t| self.at(*t)).collect()
+    }
+}
+
+/// The motion over one interval: constant jerk from a speed and an acceleration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Leg {
+    pub speed: f64,
+    pub acceleration: f64,
+    pub jerk: f64,
+    pub duration: f64,
+}
+
+impl Leg {
+    /// Over `step` from `x[0]` to `x[1]` (squared speeds) with jerk `bend` times the mean speed: between the two, distance and speeds leave one choice, the
+    /// jerk.
+    pub fn new(step: f64, x: [f64; 2], bend: f64) -> Self {
+        let v = x.map(f64::sqrt);
+        let mean = 0.5 * (v[0] + v[1]);
+        let mut duration = step / mean;
+        let mut jerk = bend * mean;
+        let gentle = jerk.abs() * duration * duration <= 3.0 * mean;
+        if jerk == 0.0 || !gentle {
+            jerk = 0.0;
+            return Self { speed: v[0], acceleration: (x[1] - x[0]) / (2.0 * step), jerk, duration };
+        }
+        for _ in 0..20 {
+            let miss = duration * (mean - jerk * duration * duration / 12.0) - step;
+            let next = duration - miss / (mean - 0.25 * jerk * duration * duration);
+            if (next - duration).abs() <= 1e-15 * duration {
+                break;
+            }
+            duration = next;
+        }
+        Self { speed: v[0], acceleration: (v[1] - v[0]) / duration - 0.5 * jerk * duration, jerk, duration }
+    }
+
+    /// Squared speed and acceleration after the way `way`.
+    pub fn at(&self, way: f64) -> [f64; 2] {
+        let x = (self.speed * self.speed + 2.0 * self.acceleration * way).max(0.0);
+        if self.jerk == 0.0 {
+            return [x, self.acceleration];
+        }
+        let mut t = (2.0 * way / (self.speed + x.sqrt()).max(f64::MIN_POSITIVE)).min(self.duration);
+        for _ in 0..6 {
+            let (s, v, _) = advance((0.0, self.speed, self.acceleration), self.jerk, t);
+            if (s - way).abs() <= 1e-13 * way {
+                break;
+            }
+            t = (t - (s - way) / v).clamp(0.0, self.duration);
+        }
+        let (_, v, a) = advance((0.0, self.speed, self.acceleration), self.jerk, t);
+        [v * v, a]
+    }
+}
+
+/// The legs between the points of a profile.
+pub(super) fn legs(s: &[f64], x: &[f64], bend: &[f64]) -> Vec<Leg> {
+    (0..bend.len()).map(|k| Leg::new(s[k + 1] - s[k], [x[k], x[k + 1]], bend[k])).collect()
+}
+
+/// Legs as pieces in time.
+pub(super) fn pieces(s: &[f64], legs: &[Leg]) -> Vec<Piece> {
+    let mut t = 0.0;
+    let mut pieces = Vec::with_capacity(legs.len());
+    for (s, leg) in s.iter().zip(legs) {
+        let Leg { speed, acceleration, jerk, duration } = *leg;
+        pieces.push(Piece::Along { t, s: *s, speed, acceleration, jerk, duration });
+        t += duration;
+    }
+    pieces
+}

@@ -1,0 +1,310 @@
+//! Limits on the intervals of a grid: three rows per limit and interval that enclose it between the ends too.
+//!
+//! On an interval a limit reads `low <= A u + B x_k + C + D sqrt(x_k + 2 w u) <= high` with coefficients that change along it (`w` is the way from its
+//! start). Taken as parabolas through start, middle and end, they stay in the triangle of start, end and the crossing of the end tangents, so a limit
+//! kept at these three is kept on the whole interval, up to terms of third order that the check afterwards finds.
+
+use super::course::{Course, Shape, Way};
+use super::grid::Grid;
+use super::limits::Bounds;
+use super::rows::Rows;
+use super::strips::{Limit, Strips};
+use crate::error::PlanError;
+
+/// Places of an interval, as shares of its parameter.
+const PLACES: [f64; 3] = [0.0, 0.5, 1.0];
+
+/// A callback with rows at arc lengths (rad).
+pub type RowsAt<'a> = dyn FnMut(&[f64]) -> Result<Rows, PlanError> + 'a;
+/// A callback with a bound of the squared path speed at arc lengths (rad).
+pub type CeilingAt<'a> = dyn FnMut(&[f64]) -> Result<Vec<f64>, PlanError> + 'a;
+
+/// Limits besides those of joint speed and acceleration.
+#[derive(Default)]
+pub struct Demands<'a> {
+    /// Names of the rows.
+    pub names: Vec<String>,
+    /// Rows: torque, acceleration of the tip ...
+    pub rows: Option<Box<RowsAt<'a>>>,
+    /// Bound of the squared path speed.
+    pub ceiling: Option<Box<CeilingAt<'a>>>,
+}
+
+/// A limit on an interval: `low <= a u + b x + c + d sqrt(x + 2 way u + lift) <= high`, `x` at the start of the interval.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Raw {
+    pub a: f64,
+    pub b: f64,
+    pub c: f64,
+    pub d: f64,
+    pub way: f64,
+    /// Added to x below the square root.
+    pub lift: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// A discretised problem.
+#[derive(Debug)]
+pub(super) struct Problem {
+    /// Arc lengths of the nodes.
+    pub s: Vec<f64>,
+    joints: usize,
+    /// q' and q'' at the three places of every interval.
+    first: Vec<f64>,
+    second: Vec<f64>,
+    /// Way from the start of the interval to the three places.
+    ways: Vec<[f64; 3]>,
+    /// Rows of the demands at the three places of every interval.
+    extra: Option<Rows>,
+    /// Highest x at the nodes.
+    pub ceiling: Vec<f64>,
+    /// Slope of the path acceleration on each interval, 1/s2.
+    pub bend: Vec<f64>,
+    /// Ceilings in the middle of the intervals.
+    middles: Vec<f64>,
+    /// By how much the rows of each interval are tightened, >= 1.
+    pub tightened: Vec<f64>,
+}
+
+impl Problem {
+    pub fn new(course: &Course, grid: &Grid, bounds: &Bounds, demands: &mut Demands) -> Result<Self, PlanError> {
+        let (n, joints) = (grid.spans.len(), course.dimension);
+        let size = 3 * n * joints;
+        let mut problem = Self {
+            s: grid.nodes(),
+            joints,
+            first: Vec::with_capacity(size),
+            second: Vec::with_capacity(size),
+            ways: Vec::with_capacity(n),
+            extra: None,
+            ceiling: vec![f64::INFINITY; n + 1],
+            bend: vec![0.0; n],
+            middles: Vec::new(),
+            tightened: vec![1.0; n],
+        };
+        let mut shape = Shape::new(joints);
+        for span in &grid.spans {
+            let mut rates = [[0.0; 2]; 3];
+            for (place, rate) in PLACES.iter().zip(&mut rates) {
+                course.shape_in(span, *place, &mut shape);
+                problem.first.extend_from_slice(&shape.first);
+                problem.second.extend_from_slice(&shape.second);
+                *rate = shape.rate;
+            }
+            problem.ways.push([0.0, Way::new(span, [rates[0], rates[2]]).at(0.5), span.length()]);
+        }
+        problem.cap(bounds);
+        problem.called(demands)?;
+        for (x, stop) in problem.ceiling.iter_mut().zip(&grid.stops) {
+            *x = if *stop { 0.0 } else { *x };
+        }
+        Ok(problem)
+    }
+
+    /// q' or q'' at place `p` of interval `k`.
+    fn shape(values: &[f64], joints: usize, k: usize, p: usize) -> &[f64] {
+        &values[(3 * k + p) * joints..(3 * k + p + 1) * joints]
+    }
+
+    /// Ceilings of the nodes from the joint speeds at both ends and in the middle of the intervals.
+    fn cap(&mut self, bounds: &Bounds) {
+        let joints = self.joints;
+        let at = |k: usize, p: usize| {
+            let q = Self::shape(&self.first, joints, k, p);
+            let share = q.iter().zip(&bounds.speed).map(|(q, v)| (q / v) * (q / v)).fold(0.0, f64::max);
+            1.0 / share
+        };
+        for k in 0..self.ways.len() {
+            let [x, y] = [at(k, 0), at(k, 2)];
+            self.ceiling[k] = self.ceiling[k].min(x);
+            self.ceiling[k + 1] = self.ceiling[k + 1].min(y);
+        }
+        self.middles = (0..self.ways.len()).map(|k| at(k, 1)).collect();
+    }
+
+    /// Ceilings of the nodes, lowered at both ends of intervals whose middle does not allow what the ends do.
+    pub fn lowered(&self) -> Vec<f64> {
+        let top = &self.ceiling;
+        let mut out = top.clone();
+        for (k, (middle, way)) in self.middles.iter().zip(&self.ways).enumerate() {
+            let share = way[1] / way[2];
+            let chord = top[k] + (top[k + 1] - top[k]) * share;
+            let between = chord - self.bend[k] * way[1] * (way[2] - way[1]);
+            if *middle < between && chord > 0.0 {
+                let factor = 1.0 - (between - middle) / chord;
+                for node in [k, k + 1] {
+                    out[node] = out[node].min(top[node] * factor.max(0.0));
+                }
+            }
+        }
+        out
+    }
+
+    /// Arc lengths of the three places of every interval; ends a little inside where the direction of a joint changes.
+    fn places(&self) -> Vec<f64> {
+        let middle = |k: usize| Self::shape(&self.first, self.joints, k, 1);
+        let turns = |k: usize| middle(k).iter().zip(middle(k + 1)).any(|(a, b)| a * b <= 0.0 && a != b);
+        let n = self.ways.len();
+        let mut s = Vec::with_capacity(3 * n);
+        for k in 0..n {
+            let (length, aside) = (self.ways[k][2], 1e-7 * self.ways[k][2]);
+            s.push(self.s[k] + if k > 0 && turns(k - 1) { aside } else { 0.0 });
+            s.push(self.s[k] + self.ways[k][1]);
+            s.push(self.s[k] + length - if k + 1 < n && turns(k) { aside } else { 0.0 });
+        }
+        s
+    }
+
+    /// Rows and ceilings of the demands.
+    fn called(&mut self, demands: &mut Demands) -> Result<(), PlanError> {
+        if demands.rows.is_none() && demands.ceiling.is_none() {
+            return Ok(());
+        }
+        let places = self.places();
+        if let Some(rows) = &mut demands.rows {
+            self.extra = Some(rows(&places)?.checked(places.len())?);
+        }
+        if let Some(ceiling) = &mut demands.ceiling {
+            let x = checked_ceiling(ceiling(&places)?, places.len())?;
+            for (k, x) in x.chunks_exact(3).enumerate() {
+                self.ceiling[k] = self.ceiling[k].min(x[0]);
+                self.ceiling[k + 1] = self.ceiling[k + 1].min(x[2]);
+            }
+            for (middle, x) in self.middles.iter_mut().zip(x.chunks_exact(3)) {
+                *middle = middle.min(x[1]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the square root of x occurs.
+    pub fn viscous(&self) -> bool {
+        self.extra.as_ref().is_some_and(|rows| rows.d.iter().any(|d| *d != 0.0))
+    }
+
+    fn extra_count(&self) -> usize {
+        self.extra.as_ref().map_or(0, |rows| rows.count)
+    }
+
+    /// Number of limits per interval.
+    pub fn lines(&self) -> usize {
+        3 * (self.joints + self.extra_count())
+    }
+
+    /// Which limit line `i` of an interval belongs to: a joint's acceleration, or a demand.
+    pub fn owner(&self, line: usize) -> Result<usize, usize> {
+        let limit = line / 3;
+        if limit < self.joints { Ok(limit) } else { Err(limit - self.joints) }
+    }
+
+    /// The limits of interval `k`, three for each: at its start, between, at its end.
+    pub fn limits(&self, k: usize, bounds: &Bounds, out: &mut Vec<Raw>) {
+        out.clear();
+        let (joints, ways, tight, bend) = (self.joints, self.ways[k], self.tightened[k], self.bend[k]);
+        let first = [0, 1, 2].map(|p| Self::shape(&self.first, joints, k, p));
+        let second = [0, 1, 2].map(|p| Self::shape(&self.second, joints, k, p));
+        for i in 0..joints {
+            let [low, high] = bounds.acceleration(i, [first[0][i], first[2][i]]).map(|v| v / tight);
+            let rows = [0, 1, 2].map(|p| {
+                let (way, a, b) = (ways[p], first[p][i], second[p][i]);
+                Raw { a: a + 2.0 * way * b, b, c: bend * way * (a + way * b), low, high, ..Raw::default() }
+            });
+            enclose(rows, out);
+        }
+        let Some(extra) = &self.extra else { return };
+        for r in 0..extra.count {
+            let rows = [0, 1, 2].map(|p| {
+                let at = (3 * k + p) * extra.count + r;
+                let (a, b, c) = (extra.a[at], extra.b[at], extra.c[at]);
+                let [low, high] = shrunk([extra.low[at], extra.high[at]], tight);
+                let (way, d) = (ways[p], extra.d.get(at).copied().unwrap_or(0.0));
+                Raw { a: a + 2.0 * way * b, b, c: c + bend * way * (a + way * b), d, way, lift: bend * way * way, low, high }
+            });
+            enclose(rows, out);
+        }
+    }
+
+    /// The intervals as lines. Square roots of x are replaced by their tangents at the profile `x`, or by the chord from 0 to the ceiling.
+    pub fn strips(&self, bounds: &Bounds, x: Option<&[f64]>) -> Strips {
+        let mut strips = Strips::new(&self.s, self.lowered(), self.lines());
+        let mut limits = Vec::with_capacity(self.lines());
+        for k in 0..self.ways.len() {
+            self.limits(k, bounds, &mut limits);
+            strips.gain[k] = self.bend[k] * self.ways[k][2] * self.ways[k][2];
+            for (i, raw) in limits.iter().enumerate() {
+                strips.set(k, i, if raw.d == 0.0 { raw.affine(0.0, 0.0) } else { self.tangent(k, raw, x) });
+            }
+        }
+        strips
+    }
+
+    /// A limit with its square root replaced by a line.
+    fn tangent(&self, k: usize, raw: &Raw, x: Option<&[f64]>) -> Limit {
+        let share = raw.way / self.ways[k][2];
+        let at = |v: &[f64]| v[k] + (v[k + 1] - v[k]) * share;
+        if let Some(x) = x {
+            let root = at(x).max(1e-9 * at(&self.ceiling).min(1e9)).sqrt();
+            return raw.affine(0.5 * root, 0.5 / root);
+        }
+        raw.affine(0.0, 1.0 / at(&self.ceiling).max(f64::MIN_POSITIVE).sqrt())
+    }
+}
+
+impl Raw {
+    /// With the square root of `v = x + 2 way u + lift` replaced by `level + rate v`.
+    fn affine(&self, level: f64, rate: f64) -> Limit {
+        let b = self.d * rate;
+        Limit { a: self.a + 2.0 * self.way * b, b: self.b + b, c: self.c + self.d * level + b * self.lift, low: self.low, high: self.high }
+    }
+}
+
+/// Adds start, end and, in between, the crossing of the tangents of the parabola through three rows.
+fn enclose([start, middle, end]: [Raw; 3], out: &mut Vec<Raw>) {
+    let control = |m: f64, s: f64, e: f64| 2.0 * m - 0.5 * (s + e);
+    let between = Raw {
+        a: control(middle.a, start.a, end.a),
+        b: control(middle.b, start.b, end.b),
+        c: control(middle.c, start.c, end.c),
+        d: control(middle.d, start.d, end.d),
+        way: middle.way,
+        lift: middle.lift,
+        low: if middle.low.is_finite() && start.low.is_finite() && end.low.is_finite() {
+            control(middle.low, start.low, end.low)
+        } else {
+            middle.low
+        },
+        high: if middle.high.is_finite() && start.high.is_finite() && end.high.is_finite() {
+            control(middle.high, start.high, end.high)
+        } else {
+            middle.high
+        },
+    };
+    out.extend([start, between, end]);
+}
+
+/// Bounds moved towards each other; `tight` >= 1 is the share by which the demand exceeded them, counted from their middle.
+fn shrunk([low, high]: [f64; 2], tight: f64) -> [f64; 2] {
+    if tight == 1.0 {
+        return [low, high];
+    }
+    let scale = scale([low, high]);
+    [low + (tight - 1.0) * scale, high - (tight - 1.0) * scale]
+}
+
+/// What an excess over bounds is measured by: half their distance, or the size of the only one.
+pub(super) fn scale([low, high]: [f64; 2]) -> f64 {
+    if low.is_finite() && high.is_finite() {
+        return (0.5 * (high - low)).max(f64::MIN_POSITIVE);
+    }
+    let one = if low.is_finite() { low } else { high };
+    if one.is_finite() && one != 0.0 { one.abs() } else { 1.0 }
+}
+
+/// A ceiling that a callback gave.
+pub(super) fn checked_ceiling(x: Vec<f64>, count: usize) -> Result<Vec<f64>, PlanError> {
+    if x.len() != count || x.iter().any(|v| v.is_nan() || *v < 0.0) {
+        return Err(PlanError::bad("ceiling", format!("{} values", x.len()), format!("{count} values >= 0")));
+    }
+    Ok(x)
+}

@@ -1,0 +1,240 @@
+//! From a path and limits to the fastest motion: grid, solution, check, refinement.
+
+use super::bisection;
+use super::check::{self, Use};
+use super::course::Course;
+use super::grid::Grid;
+use super::limits::Bounds;
+use super::motion::{Leg, legs};
+use super::problem::{Demands, Problem};
+use super::refuse;
+use super::strips::{Strips, Stuck};
+use super::{Report, TopMethod, TopOptions};
+use crate::error::PlanError;
+
+/// Intervals of the first grid, and most of a refined one.
+const FIRST: usize = 160;
+const MOST: usize = 4000;
+/// Rounds of refinement, of tightening, of tangents to the square root.
+const ROUNDS: usize = 7;
+const TIGHTENINGS: usize = 30;
+/// Excess that is removed by slowing the whole motion down, where it starts and ends at rest.
+const SMALL: f64 = 2e-5;
+const TANGENTS: usize = 30;
+/// Excess over a limit that tightening aims below.
+const CLEAN: f64 = 2e-7;
+
+/// A profile on a grid, and how it was found.
+pub(super) struct Solved {
+    pub problem: Problem,
+    pub x: Vec<f64>,
+    pub legs: Vec<Leg>,
+    pub used: Vec<Use>,
+    pub report: Report,
+}
+
+pub(super) struct Solver<'a, 'd> {
+    pub course: &'a Course,
+    pub bounds: &'a Bounds,
+    pub options: &'a TopOptions,
+    pub demands: &'a mut Demands<'d>,
+}
+
+impl Solver<'_, '_> {
+    pub fn solve(&mut self) -> Result<Solved, PlanError> {
+        let turns = self.demands.rows.is_some() || self.bounds.acceleration != self.bounds.deceleration;
+        let mut report = Report::default();
+        let mut grid = match self.options.grid {
+            Some(count) => Grid::even(self.course, count, turns),
+            None => Grid::initial(self.course, FIRST, turns),
+        };
+        let mut problem = self.discretise(&grid, &mut report)?;
+        let mut x = self.fastest(&problem, None)?;
+        for round in 0.. {
+            problem.bend = bends(&problem.s, &x, &problem.bend);
+            x = self.fastest(&problem, Some(&x))?;
+            let cuts = refinement(&problem.s, &x, &problem.bend, self.options.tolerance);
+            let enough = cuts.iter().all(Vec::is_empty) || grid.spans.len() >= MOST;
+            if self.options.grid.is_some() || enough || round == ROUNDS {
+                break;
+            }
+            grid = grid.split(self.course, &cuts);
+            let before = std::mem::replace(&mut problem, self.discretise(&grid, &mut report)?);
+            problem.bend = inherited(&before, &problem.s);
+            x = self.fastest(&problem, None)?;
+            report.refinements += 1;
+        }
+        let (legs, used) = self.tighten(&grid, &mut problem, &mut x, &mut report)?;
+        Ok(Solved { problem, x, legs, used, report })
+    }
+
+    fn discretise(&mut self, grid: &Grid, report: &mut Report) -> Result<Problem, PlanError> {
+        report.points += grid.spans.len() + 1;
+        Problem::new(self.course, grid, self.bounds, self.demands)
+    }
+
+    fn ends(&self) -> [f64; 2] {
+        [self.options.start_speed * self.options.start_speed, self.options.end_speed * self.options.end_speed]
+    }
+
+    /// The fastest profile of a discretised problem.
+    fn fastest(&self, problem: &Problem, from: Option<&[f64]>) -> Result<Vec<f64>, PlanError> {
+        let ends = self.ends();
+        let explain = |strips: &Strips, stuck: Stuck| refuse::explain(problem, strips, stuck, (self.bounds, &self.demands.names));
+        if self.options.method == TopMethod::Bisection {
+            let strips = capped(problem, problem.strips(self.bounds, None))?;
+            return bisection::fastest(problem, &strips.ceiling, self.bounds, ends).map_err(|stuck| explain(&strips, stuck));
+        }
+        let solve = |x: Option<&[f64]>| {
+            let strips = capped(problem, problem.strips(self.bounds, x))?;
+            strips.fastest(ends).map_err(|stuck| explain(&strips, stuck))
+        };
+        let mut x = solve(from)?;
+        if problem.viscous() {
+            for _ in 0..TANGENTS {
+                let next = solve(Some(&x))?;
+                let change = next.iter().zip(&x).map(|(a, b)| (a - b).abs() / (a + b + f64::MIN_POSITIVE)).fold(0.0, f64::max);
+                x = next;
+                if change < 1e-9 {
+                    break;
+                }
+            }
+        }
+        Ok(x)
+    }
+
+    /// The use of all limits, densely.
+    fn check(&mut self, grid: &Grid, problem: &Problem, x: &[f64]) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
+        let legs = legs(&problem.s, x, &problem.bend);
+        let mut used = check::joints(self.course, grid, self.bounds, &legs, self.options.check);
+        check::demands(self.demands, &problem.s, &legs, self.options.check, &mut used)?;
+        Ok((legs, used))
+    }
+
+    /// Tightens the limits of intervals on which the dense check finds an excess, until there is none; at last the whole motion is slowed down by what
+    /// is left.
+    fn tighten(&mut self, grid: &Grid, problem: &mut Problem, x: &mut Vec<f64>, report: &mut Report) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
+        let (mut legs, mut used) = self.check(grid, problem, x)?;
+        report.first_excess = excess(&used);
+        if self.options.grid.is_some() && !self.options.tighten {
+            report.excess = report.first_excess;
+            return Ok((legs, used));
+        }
+        for _ in 0..TIGHTENINGS {
+            let most = excess(&used);
+            if most <= CLEAN || (most <= SMALL && self.ends() == [0.0; 2]) {
+                break;
+            }
+            report.tightenings += 1;
+            for (k, used) in used.iter().enumerate() {
+                if used.rows > 1.0 + 0.5 * CLEAN {
+                    problem.tightened[k] *= 1.0 + 1.1 * (used.rows - 1.0);
+                }
+                if used.speed > 1.0 + 0.5 * CLEAN {
+                    for node in [k, k + 1].into_iter().filter(|node| *node > 0 && *node < x.len() - 1) {
+                        problem.ceiling[node] = problem.ceiling[node].min(x[node] / used.speed);
+                    }
+                }
+            }
+            *x = self.fastest(problem, Some(x))?;
+            (legs, used) = self.check(grid, problem, x)?;
+        }
+        if excess(&used) > CLEAN && self.ends() == [0.0; 2] {
+            let factor = used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
+            x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
+            report.slowed = factor.sqrt();
+            (legs, used) = self.check(grid, problem, x)?;
+        }
+        report.excess = excess(&used);
+        if report.excess > 1e-6 {
+            let detail = format!("a limit is exceeded by {:.1e} of its size between grid points", report.excess);
+            return Err(PlanError::CertificateFailed { stage: "timing of the joints", detail });
+        }
+        Ok((legs, used))
+    }
+}
+
+/// The largest excess over a limit, as a share of it.
+fn excess(used: &[Use]) -> f64 {
+    used.iter().map(|u| (u.rows - 1.0).max(u.speed.sqrt() - 1.0)).fold(0.0, f64::max)
+}
+
+/// Finite ceilings where no limit of speed binds: a thousand times what the largest acceleration at rest would reach over the whole path.
+fn capped(problem: &Problem, mut strips: Strips) -> Result<Strips, PlanError> {
+    if strips.ceiling.iter().all(|x| x.is_finite()) {
+        return Ok(strips);
+    }
+    let most = (0..strips.reach.len()).map(|k| strips.accelerations(k, 0.0)).flat_map(|[low, high]| [low.abs(), high.abs()]).fold(0.0, f64::max);
+    let length = problem.s[problem.s.len() - 1];
+    let cap = 1e3 * 2.0 * most * length;
+    if !cap.is_finite() {
+        return Err(PlanError::bad("limits", "none that binds", "limits that bound the acceleration or the speed everywhere on the path"));
+    }
+    strips.ceiling.iter_mut().for_each(|x| *x = x.min(cap));
+    Ok(strips)
+}
+
+/// Slopes of the path acceleration on the intervals of a profile: the smaller of those to the neighbours, none across switches and near rest.
+fn bends(s: &[f64], x: &[f64], bend: &[f64]) -> Vec<f64> {
+    let n = bend.len();
+    let step = |k: usize| s[k + 1] - s[k];
+    // In the middle of each interval.
+    let u: Vec<f64> = (0..n).map(|k| (x[k + 1] - x[k]) / (2.0 * step(k))).collect();
+    let slope = |k: usize| 2.0 * (u[k + 1] - u[k]) / (step(k) + step(k + 1));
+    let mut out = vec![0.0; n];
+    for k in 1..n.saturating_sub(1) {
+        let (left, right) = (slope(k - 1), slope(k));
+        let least = x[k].min(x[k + 1]);
+        let most = 0.5 * least / (step(k) * step(k));
+        if left * right > 0.0 && x[k - 1] > 0.0 && x[k + 2] > 0.0 {
+            out[k] = left.signum() * left.abs().min(right.abs()).min(most);
+        }
+    }
+    out
+}
+
+/// Slopes on a refined grid: those of the intervals that were cut.
+fn inherited(before: &Problem, s: &[f64]) -> Vec<f64> {
+    let parent = |middle: f64| before.s.partition_point(|a| *a <= middle).clamp(1, before.bend.len()) - 1;
+    s.windows(2).map(|w| before.bend[parent(0.5 * (w[0] + w[1]))]).collect()
+}
+
+/// Where intervals should be cut: where a switch falls inside them, and in the middle where the path acceleration changes much for the time spent there.
+fn refinement(s: &[f64], x: &[f64], bend: &[f64], tolerance: f64) -> Vec<Vec<f64>> {
+    let n = bend.len();
+    let step = |k: usize| s[k + 1] - s[k];
+    let u: Vec<f64> = (0..n).map(|k| (x[k + 1] - x[k]) / (2.0 * step(k))).collect();
+    let time = |k: usize| 2.0 * step(k) / (x[k].sqrt() + x[k + 1].sqrt()).max(f64::MIN_POSITIVE);
+    let total: f64 = (0..n).map(time).sum();
+    // Path acceleration at the start and the end of an interval.
+    let at = |k: usize, side: f64| u[k] + 0.5 * side * bend[k] * step(k);
+    let loss = |k: usize| {
+        let before = if k > 0 { (at(k, -1.0) - at(k - 1, 1.0)).abs() } else { 0.0 };
+        let after = if k + 1 < n { (at(k + 1, -1.0) - at(k, 1.0)).abs() } else { 0.0 };
+        let mean = 0.5 * (x[k] + x[k + 1]);
+        if mean > 0.0 { time(k) * (0.25 * (before + after) * step(k) / mean).min(1.0) } else { 0.0 }
+    };
+    let losses: Vec<f64> = (0..n).map(loss).collect();
+    let sum: f64 = losses.iter().sum();
+    let mut cuts = vec![Vec::new(); n];
+    if sum <= tolerance * total {
+        return cuts;
+    }
+    let fair = tolerance * total / n as f64;
+    for k in 0..n {
+        if losses[k] > fair {
+            let [a, b] = [s[k], s[k + 1]];
+            let mut cut = 0.5 * (a + b);
+            if k > 0 && k + 1 < n && (u[k - 1] - u[k]) * (u[k] - u[k + 1]) > 0.0 {
+                // Where the line from the left meets the line from the right.
+                let (left, right) = (at(k - 1, 1.0), at(k + 1, -1.0));
+                let meet = (x[k + 1] - x[k] - 2.0 * right * (b - a)) / (2.0 * (left - right)) + a;
+                if meet > a + 0.02 * (b - a) && meet < b - 0.02 * (b - a) {
+                    cut = meet;
+                }
+            }
+            cuts[k].push(cut);
+        }
+    }
+    cuts
+}

@@ -1,0 +1,276 @@
+//! The intervals of a discretised problem as lines, and the passes over them.
+//!
+//! On interval k the path acceleration begins with `u` and has a given slope (none on fixed grids), so every limit that is affine in (u, x) anywhere on the
+//! interval is a line in the plane of `u` and `x_k`: `low <= u + slope * x_k <= high`. The set of `x_k` from which the rest of the path can be finished is
+//! an interval; its ends are linear programs in two variables, solved exactly by Newton's method on the convex, piecewise linear gap between the
+//! highest lower line and the lowest upper line.
+
+use super::rows::Rows;
+
+/// Lines are kept in groups of this many for the vector units.
+pub(super) const LANES: usize = 4;
+/// Share of the size of `u` that counts as rounding.
+const ROUNDING: f64 = 1e-12;
+/// Coefficients of `u` below this are none.
+const NOTHING: f64 = 1e-140;
+
+/// Limits per interval, bounds of `x` per node.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Strips {
+    width: usize,
+    slope: Vec<f64>,
+    low: Vec<f64>,
+    high: Vec<f64>,
+    /// Twice the length of each interval.
+    pub reach: Vec<f64>,
+    /// What `x` gains over each interval besides `reach * u`: the path acceleration need not be constant.
+    pub gain: Vec<f64>,
+    /// Lowest `x` at each node.
+    pub floor: Vec<f64>,
+    /// Highest `x` at each node.
+    pub ceiling: Vec<f64>,
+}
+
+/// An affine limit `low <= a u + b x + c <= high` in the `u` of an interval and the `x` at its start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Limit {
+    pub a: f64,
+    pub b: f64,
+    pub c: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// Bounds of `u`, and the slopes of the lines that make them.
+#[derive(Debug, Clone, Copy)]
+struct Ends {
+    low: f64,
+    high: f64,
+    low_slope: f64,
+    high_slope: f64,
+}
+
+/// Where the passes find no way on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stuck {
+    /// Node.
+    pub node: usize,
+    /// Whether the boundary speed, not the limits on the way, stands against it: the interval of `x` that would do.
+    pub boundary: Option<[f64; 2]>,
+}
+
+impl Strips {
+    /// Room for `lines` per interval on nodes at the given arc lengths; no limits yet but `x >= 0` and the ceiling.
+    pub fn new(s: &[f64], ceiling: Vec<f64>, lines: usize) -> Self {
+        let width = lines.next_multiple_of(LANES);
+        let count = width * (s.len() - 1);
+        Self {
+            width,
+            slope: vec![0.0; count],
+            low: vec![f64::NEG_INFINITY; count],
+            high: vec![f64::INFINITY; count],
+            reach: s.windows(2).map(|w| 2.0 * (w[1] - w[0])).collect(),
+            gain: vec![0.0; s.len() - 1],
+            floor: vec![0.0; s.len()],
+            ceiling,
+        }
+    }
+
+    /// Sets line `i` of interval `k`.
+    pub fn set(&mut self, k: usize, i: usize, limit: Limit) {
+        let Limit { a, b, c, low, high } = limit;
+        let at = k * self.width + i;
+        if a.abs() < NOTHING {
+            (self.slope[at], self.low[at], self.high[at]) = (0.0, f64::NEG_INFINITY, f64::INFINITY);
+            return self.bound(k, b, low - c, high - c);
+        }
+        let inverse = 1.0 / a;
+        let (p, q) = ((low - c) * inverse, (high - c) * inverse);
+        self.slope[at] = b * inverse;
+        (self.low[at], self.high[at]) = if a > 0.0 { (p, q) } else { (q, p) };
+    }
+
+    /// Bounds `x` at a node by `low <= b x <= high`.
+    fn bound(&mut self, k: usize, b: f64, low: f64, high: f64) {
+        if b.abs() < NOTHING {
+            if low > 0.0 || high < 0.0 {
+                self.ceiling[k] = f64::NEG_INFINITY;
+            }
+            return;
+        }
+        let (p, q) = if b > 0.0 { (low / b, high / b) } else { (high / b, low / b) };
+        self.floor[k] = self.floor[k].max(p);
+        self.ceiling[k] = self.ceiling[k].min(q);
+    }
+
+    /// All lines of an interval at once from rows at its two ends; `end` counts at the far one.
+    pub fn set_ends(&mut self, k: usize, [start, end]: [Columns; 2]) {
+        let rows = start.a.len();
+        let far = self.reach[k];
+        let base = k * self.width;
+        let mut regular = true;
+        for (offset, columns, far) in [(base, start, 0.0), (base + rows, end, far)] {
+            let slope = &mut self.slope[offset..offset + rows];
+            let low = &mut self.low[offset..offset + rows];
+            let high = &mut self.high[offset..offset + rows];
+            let Columns { a, b, c, bottom, top } = columns;
+            let (a, b, c, bottom, top) = (&a[..rows], &b[..rows], &c[..rows], &bottom[..rows], &top[..rows]);
+            for i in 0..rows {
+                let by = a[i] + far * b[i];
+                regular &= by.abs() >= NOTHING;
+                let inverse = 1.0 / by;
+                let (p, q) = ((bottom[i] - c[i]) * inverse, (top[i] - c[i]) * inverse);
+                slope[i] = b[i] * inverse;
+                (low[i], high[i]) = (if p < q { p } else { q }, if p < q { q } else { p });
+            }
+        }
+        if !regular {
+            for (i, columns, far) in [(0, start, 0.0), (rows, end, far)] {
+                for r in 0..rows {
+                    let a = columns.a[r] + far * columns.b[r];
+                    self.set(k, i + r, Limit { a, b: columns.b[r], c: columns.c[r], low: columns.bottom[r], high: columns.top[r] });
+                }
+            }
+        }
+    }
+
+    /// All intervals from rows at the nodes, kept at both ends of each.
+    pub fn fill(&mut self, rows: &Rows) {
+        for k in 0..self.reach.len() {
+            self.set_ends(k, [rows.at(k), rows.at(k + 1)]);
+        }
+    }
+
+    fn ends(&self, k: usize, x: f64) -> Ends {
+        let range = k * self.width..(k + 1) * self.width;
+        extremes(&self.slope[range.clone()], &self.low[range.clone()], &self.high[range], x)
+    }
+
+    /// Bounds of `u` on interval `k` when it starts at `x`, by its lines alone.
+    pub fn accelerations(&self, k: usize, x: f64) -> [f64; 2] {
+        let ends = self.ends(k, x);
+        [ends.low, ends.high]
+    }
+
+    /// Which line bounds `u` on interval `k` at `x` from below and from above.
+    pub fn active(&self, k: usize, x: f64) -> [usize; 2] {
+        let lines = k * self.width..(k + 1) * self.width;
+        let low = lines.clone().max_by(|i, j| (self.low[*i] - self.slope[*i] * x).total_cmp(&(self.low[*j] - self.slope[*j] * x)));
+        let high = lines.min_by(|i, j| (self.high[*i] - self.slope[*i] * x).total_cmp(&(self.high[*j] - self.slope[*j] * x)));
+        [low, high].map(|i| i.unwrap_or(0) % self.width.max(1))
+    }
+
+    /// The largest `x` at the start of interval `k` with an admissible `u`, whatever comes after.
+    pub fn highest(&self, k: usize) -> Option<f64> {
+        let any = [f64::NEG_INFINITY, f64::INFINITY];
+        self.edge(k, any, [self.floor[k], self.ceiling[k]], true)
+    }
+
+    /// Largest (`upper`) or smallest `x` in `range` at the start of interval `k` from which an `x` in `next` is reached.
+    fn edge(&self, k: usize, next: [f64; 2], range: [f64; 2], upper: bool) -> Option<f64> {
+        let slope = 1.0 / self.reach[k];
+        let target = next.map(|x| (x - self.gain[k]) * slope);
+        let [first, last] = if upper { [range[1], range[0]] } else { range };
+        let mut x = first;
+        for _ in 0..100 {
+            let mut ends = self.ends(k, x);
+            let [low, high] = target.map(|t| t - slope * x);
+            if low > ends.low {
+                (ends.low, ends.low_slope) = (low, slope);
+            }
+            if high < ends.high {
+                (ends.high, ends.high_slope) = (high, slope);
+            }
+            let gap = ends.low - ends.high;
+            if gap <= ROUNDING * (ends.low.abs() + ends.high.abs()).min(f64::MAX) {
+                return Some(x);
+            }
+            let rate = ends.high_slope - ends.low_slope;
+            let mut step = x - gap / rate;
+            if upper && step < 0.5 * x {
+                // A long step rounds to the size of where it began; the next one must still come from above.
+                step += 4.0 * f64::EPSILON * x;
+            }
+            // The gap is convex: where it does not fall towards the other end, there is nothing; where the step ends beyond, nothing either.
+            let falls = if upper { rate > 0.0 } else { rate < 0.0 };
+            let inside = if upper { step >= last } else { step <= last };
+            if !falls || x == last {
+                return None;
+            }
+            if step == x {
+                return Some(x);
+            }
+            x = if inside { step } else { last };
+        }
+        Some(x)
+    }
+
+    /// The intervals of `x` at every node from which the path can be finished at `end`.
+    pub fn controllable(&self, end: f64) -> Result<Vec<[f64; 2]>, Stuck> {
+        let n = self.reach.len();
+        if !(end >= self.floor[n] && end <= self.ceiling[n] * (1.0 + ROUNDING)) {
+            return Err(Stuck { node: n, boundary: Some([self.floor[n], self.ceiling[n]]) });
+        }
+        let mut sets = vec![[end; 2]; n + 1];
+        for k in (0..n).rev() {
+            let range = [self.floor[k], self.ceiling[k]];
+            let found = if range[0] <= range[1] { self.edge(k, sets[k + 1], range, true) } else { None };
+            let high = found.ok_or(Stuck { node: k, boundary: None })?;
+            let low = self.edge(k, sets[k + 1], [range[0], high], false).unwrap_or(high);
+            sets[k] = [low, high];
+        }
+        Ok(sets)
+    }
+
+    /// The fastest `x` at every node, from `ends[0]` to `ends[1]`.
+    pub fn fastest(&self, ends: [f64; 2]) -> Result<Vec<f64>, Stuck> {
+        let sets = self.controllable(ends[1])?;
+        let [low, high] = sets[0];
+        if !(ends[0] >= low * (1.0 - ROUNDING) && ends[0] <= high * (1.0 + ROUNDING)) {
+            return Err(Stuck { node: 0, boundary: Some([low, high]) });
+        }
+        let mut x = Vec::with_capacity(sets.len());
+        let mut here = ends[0].clamp(low, high);
+        x.push(here);
+        for (k, next) in sets[1..].iter().enumerate() {
+            let u = self.ends(k, here).high;
+            here = (here + self.reach[k] * u + self.gain[k]).min(next[1]).max(next[0]);
+            x.push(here);
+        }
+        Ok(x)
+    }
+}
+
+/// Rows of one place: `bottom <= a u + b x + c <= top`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns<'a> {
+    pub a: &'a [f64],
+    pub b: &'a [f64],
+    pub c: &'a [f64],
+    pub bottom: &'a [f64],
+    pub top: &'a [f64],
+}
+
+/// Highest lower and lowest upper line at `x`.
+fn extremes(slope: &[f64], low: &[f64], high: &[f64], x: f64) -> Ends {
+    let (mut bottom, mut top) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
+    let (mut below, mut above) = ([0.0; LANES], [0.0; LANES]);
+    for ((slope, low), high) in slope.as_chunks::<LANES>().0.iter().zip(low.as_chunks::<LANES>().0).zip(high.as_chunks::<LANES>().0) {
+        for i in 0..LANES {
+            let shift = slope[i] * x;
+            let (l, h) = (low[i] - shift, high[i] - shift);
+            (bottom[i], below[i]) = if l > bottom[i] { (l, slope[i]) } else { (bottom[i], below[i]) };
+            (top[i], above[i]) = if h < top[i] { (h, slope[i]) } else { (top[i], above[i]) };
+        }
+    }
+    let mut ends = Ends { low: bottom[0], high: top[0], low_slope: below[0], high_slope: above[0] };
+    for i in 1..LANES {
+        if bottom[i] > ends.low {
+            (ends.low, ends.low_slope) = (bottom[i], below[i]);
+        }
+        if top[i] < ends.high {
+            (ends.high, ends.high_slope) = (top[i], above[i]);
+        }
+    }
+    ends
+}

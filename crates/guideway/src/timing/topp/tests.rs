@@ -1,0 +1,119 @@
+use super::*;
+
+/// A spline through random points, as benches draw them.
+pub(super) fn random_path(seed: u64, points: usize, joints: usize) -> Path {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1234_5678_9ABC_DEF1;
+    let mut draw = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let values: Vec<f64> = (0..points * joints).map(|_| 3.0 * draw() - 1.5).collect();
+    Path::through(&values, joints).unwrap()
+}
+
+pub(super) fn limits(speed: f64, acceleration: f64) -> JointLimits {
+    JointLimits { speed: Some(PerJoint::All(speed)), acceleration: Some(PerJoint::All(acceleration)), ..JointLimits::default() }
+}
+
+/// Those of the benches.
+pub(super) fn usual() -> JointLimits {
+    limits(180f64.to_radians(), 800f64.to_radians())
+}
+
+pub(super) fn fastest(path: &Path, limits: &JointLimits, options: &TopOptions) -> JointMotion {
+    time_joints(path, limits, options, &mut Demands::default()).unwrap()
+}
+
+/// Largest use of the limits, on `count` times per piece, by the path's own evaluation.
+pub(super) fn worst(motion: &JointMotion, limits: &JointLimits, count: usize) -> [f64; 2] {
+    let bounds = limits.bounds(motion.path.dimension()).unwrap();
+    let mut worst = [0.0f64; 2];
+    for piece in &motion.pieces {
+        // Inside the pieces: at their ends the acceleration jumps.
+        for j in 0..count {
+            let state = motion.at(piece.start() + piece.duration() * (j as f64 + 0.5) / count as f64);
+            for i in 0..motion.path.dimension() {
+                let (v, a) = (state.joints[1][i], state.joints[2][i]);
+                let bound = if v * a >= 0.0 { bounds.acceleration[i] } else { bounds.deceleration[i] };
+                worst = [worst[0].max(v.abs() / bounds.speed[i]), worst[1].max(a.abs() / bound)];
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn random_splines_keep_their_limits_everywhere_and_are_near_the_optimum() {
+    for seed in 0..20 {
+        let path = random_path(seed, 3 + seed as usize % 10, 1 + seed as usize % 7);
+        let motion = fastest(&path, &usual(), &TopOptions::default());
+        let [v, a] = worst(&motion, &usual(), 20);
+        assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6, "seed {seed}: {v} {a}");
+        assert!(motion.report.excess <= 1e-6);
+        let fine = fastest(&path, &usual(), &TopOptions { grid: Some(6000), check: 4, ..TopOptions::default() });
+        assert!(motion.duration() <= 1.001 * fine.duration(), "seed {seed}: {} {}", motion.duration(), fine.duration());
+        assert_eq!((motion.s.len(), motion.active.len(), motion.mvc.len()), (motion.x.len(), motion.s.len(), motion.s.len()));
+        assert!(motion.x.iter().zip(&motion.mvc).all(|(x, top)| *x <= top * (1.0 + 1e-6) + 1e-12), "seed {seed}");
+    }
+}
+
+#[test]
+fn straight_lines_are_bang_bang() {
+    // Cases with known optima: twice the root of distance over acceleration; trapezoid where the speed binds.
+    for (d, expected) in [(1.0, 0.2), (1e-4, 0.002), (1e-9, 2.0 * 1e-11f64.sqrt())] {
+        let path = Path::through(&[0.0, 0.0, 0.0, 0.0, d, 0.0], 3).unwrap();
+        let motion = fastest(&path, &limits(100.0, 100.0), &TopOptions::default());
+        assert!((motion.duration() / expected - 1.0).abs() < 1e-9, "{d}: {}", motion.duration());
+        assert!(motion.active.iter().all(|name| name == "acceleration of joint 2"));
+    }
+    let path = Path::through(&[0.0, 0.0, 3.0, 4.0], 2).unwrap();
+    let motion = fastest(&path, &limits(2.0, 4.0), &TopOptions::default());
+    // Joint 2 goes 4 rad: 2 s at speed 2, and half a second for the ramps.
+    assert!((motion.duration() - 2.5).abs() < 1e-6, "{}", motion.duration());
+    let asymmetric = JointLimits { deceleration: Some(PerJoint::Each(vec![8.0, 2.0])), ..limits(1e9, 8.0) };
+    let motion = fastest(&Path::through(&[0.0, 1.0], 1).unwrap(), &limits(1e9, 8.0), &TopOptions::default());
+    assert!((motion.duration() - 2.0 * (1.0f64 / 8.0).sqrt()).abs() < 1e-9);
+    let motion = fastest(&Path::through(&[0.0, 0.0, 0.0, -1.0], 2).unwrap(), &asymmetric, &TopOptions::default());
+    // v^2 = 2 * 8 * a = 2 * 2 * (1 - a): a = 0.2.
+    assert!((motion.duration() - 2.0 / 3.2f64.sqrt()).abs() < 1e-5, "{}", motion.duration());
+}
+
+#[test]
+fn a_path_that_turns_back_stops_there() {
+    for d in [1e-5, 1e-7] {
+        let path = Path::through_at(&[0.0, 0.0, 0.0, 0.0, d, 0.0, 0.0, 0.0, 0.0], 3, &[0.0, 0.5, 1.0]).unwrap();
+        let motion = fastest(&path, &limits(100.0, 100.0), &TopOptions::default());
+        let expected = 4.0 * (d / 100.0f64).sqrt();
+        assert!((motion.duration() / expected - 1.0).abs() < 1e-4, "{} {expected}", motion.duration());
+    }
+    let corners = Path::new(1, 2, vec![0.0, 0.0, 1.0, 2.0, 2.0], vec![0.0, 0.0, 1.0, 0.0, 1.0, 1.0]).unwrap();
+    let motion = fastest(&corners, &limits(100.0, 4.0), &TopOptions::default());
+    assert!((motion.duration() - 2.0).abs() < 1e-9 && motion.at(1.0).speed < 1e-6);
+}
+
+#[test]
+fn bisection_and_reachability_agree() {
+    for seed in 0..5 {
+        let path = random_path(seed, 8, 6);
+        let options = TopOptions { grid: Some(300), ..TopOptions::default() };
+        let theirs = fastest(&path, &usual(), &TopOptions { method: TopMethod::Bisection, ..options.clone() });
+        let ours = fastest(&path, &usual(), &options);
+        assert!((theirs.duration() / ours.duration() - 1.0).abs() < 2e-3, "{} {}", theirs.duration(), ours.duration());
+    }
+}
+
+#[test]
+fn boundary_speeds_are_met_or_refused() {
+    let path = random_path(3, 6, 4);
+    let options = TopOptions { start_speed: 0.7, end_speed: 0.3, ..TopOptions::default() };
+    let motion = fastest(&path, &usual(), &options);
+    assert!((motion.at(0.0).speed - 0.7).abs() < 1e-9 && (motion.at(motion.duration()).speed - 0.3).abs() < 1e-9);
+    let [v, a] = worst(&motion, &usual(), 20);
+    assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6);
+    for (start, end) in [(50.0, 0.0), (0.0, 50.0), (-1.0, 0.0), (f64::NAN, 0.0)] {
+        let options = TopOptions { start_speed: start, end_speed: end, ..TopOptions::default() };
+        assert!(time_joints(&path, &usual(), &options, &mut Demands::default()).is_err());
+    }
+}

@@ -90,6 +90,7 @@ pub const CONTROLLERS: &[ControllerEntry] = &[
             ("turn_step", "steps of the sampled turn rates, rad/s (preset=paper)"),
             ("emergency", "above this speed the robot brakes when obstacles are nearer than safety, below it turns in place, m/s (preset=paper)"),
             ("guarantee", "only commands after which a full brake ends before anything can be met"),
+            ("jerk_limited", "commanded speeds keep to the jerk of the robot, but for emergencies"),
             ("error", "bound of the error of pose and model, m"),
             ("drift", "growth of that bound with the distance driven"),
             ("lag_speed", "time constant of the speed, s"),

@@ -3,6 +3,7 @@
 //! Source: passive safety, \[bouraine2012\]; the induction is in `docs/methods/improved-dwa.md`.
 
 use super::field::{Field, Met};
+use super::ramp::Ramp;
 use super::{Command, Robot, arc};
 
 /// Integration step while the command holds and while the base brakes, s.
@@ -75,28 +76,29 @@ impl<'a> Guard<'a> {
         (0..n as u32).fold(self.start, |at, _| self.follow(&at, self.before, t / n))
     }
 
-    /// Holds `command` until the next decision can act, then brakes: when the base then stands (s from now), or what could be met before.
+    /// Holds `command` until the next decision can act, then brakes with all the base has or, with a ramp at that command, within the limit of jerk: when the
+    /// base then stands (s from now), or what could be met before. `spare` (m) is kept beyond the error.
     ///
     /// Exact along the arcs of the model by conservative advancement: the footprint keeps the bound of the error to static obstacles and to everything
     /// that a mover could have reached by then. A base that already stands nearer may leave, but not come nearer than half of the room it has.
-    pub fn certify(&self, command: Command) -> Result<f64, Met> {
+    pub fn certify(&self, command: Command, mut ramp: Option<Ramp>, spare: f64) -> Result<f64, Met> {
         let b = &self.bounds;
         let (mut at, mut t, mut driven) = (self.start, 0.0, 0.0);
         let mut free = Free { still: 0.0, moving: 0.0 };
         while t < LONGEST {
             let braking = t >= b.delay + b.hold - 1e-9;
-            if braking && at.v.abs() < REST[0] && at.w.abs() < REST[1] {
+            if braking && at.v.abs() < REST[0] && at.w.abs() < REST[1] && ramp.is_none_or(Ramp::rests) {
                 return Ok(t);
             }
             let (u, until) = match () {
-                () if braking => (Command::default(), f64::INFINITY),
+                () if braking => (Command { v: ramp.as_mut().map_or(0.0, |ramp| ramp.step(0.0, STEPS[1])), w: 0.0 }, f64::INFINITY),
                 () if t < b.delay - 1e-9 => (self.before, b.delay),
                 () => (command, b.delay + b.hold),
             };
             let h = STEPS[usize::from(braking)].min(until - t);
             let next = self.follow(&at, u, h);
             let mean = [f64::midpoint(at.v, next.v), f64::midpoint(at.w, next.w)];
-            self.clear(&mut free, at.pose, mean, ([t, h], driven))?;
+            self.clear(&mut free, at.pose, mean, ([t, h], driven, spare))?;
             driven += mean[0].abs() * h;
             t += h;
             at = next;
@@ -113,9 +115,9 @@ impl<'a> Guard<'a> {
     }
 
     /// Is the arc of one step free?
-    fn clear(&self, free: &mut Free, pose: [f64; 3], [v, w]: [f64; 2], ([t, h], driven): ([f64; 2], f64)) -> Result<(), Met> {
+    fn clear(&self, free: &mut Free, pose: [f64; 3], [v, w]: [f64; 2], ([t, h], driven, spare): ([f64; 2], f64, f64)) -> Result<(), Met> {
         let own = v.abs() + w.abs() * self.reach + self.bounds.drift * v.abs();
-        let error = |tau: f64| self.bounds.error + self.bounds.drift * (driven + v.abs() * tau);
+        let error = |tau: f64| self.bounds.error + spare + self.bounds.drift * (driven + v.abs() * tau);
         let still = |tau: f64| {
             let at = arc(pose, v, w, tau);
             let margin = error(tau).min(if self.room > 0.0 { 0.5 * self.room } else { self.room - MET });

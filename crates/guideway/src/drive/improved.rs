@@ -52,6 +52,8 @@ pub struct ImprovedDwa {
     pub emergency: f64,
     /// Only commands after which a full brake ends before anything can be met.
     pub guarantee: bool,
+    /// Commanded speeds keep to the jerk of the robot, but for emergencies.
+    pub jerk_limited: bool,
     /// Bound of the error of pose and model, m.
     pub error: f64,
     /// Growth of that bound with the distance driven, 1.
@@ -95,6 +97,7 @@ impl Default for ImprovedDwa {
             turn_step: 0.02,
             emergency: 0.2,
             guarantee: true,
+            jerk_limited: false,
             error: 0.015,
             drift: 0.02,
             lag_speed: 0.08,

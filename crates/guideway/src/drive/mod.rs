@@ -22,6 +22,7 @@ mod navigator;
 mod outline;
 mod pace;
 mod pilot;
+mod ramp;
 mod rays;
 mod record;
 mod search;
@@ -75,6 +76,8 @@ pub struct Robot {
     pub acceleration: f64,
     /// Largest deceleration, m/s2, positive.
     pub deceleration: f64,
+    /// Largest jerk, m/s3. A base can do more; controllers that limit the jerk of their commands keep to it.
+    pub jerk: f64,
     /// Largest turn rate, rad/s.
     pub turn_rate: f64,
     /// Largest turn acceleration, rad/s2.
@@ -93,6 +96,7 @@ impl Robot {
             speed: l.speed,
             acceleration: l.acceleration,
             deceleration: l.deceleration,
+            jerk: l.jerk,
             turn_rate: l.turn_rate.unwrap_or(DEFAULT_TURN_RATE),
             turn_acceleration: l.turn_acceleration.unwrap_or(DEFAULT_TURN_ACCELERATION),
         })
@@ -207,6 +211,10 @@ pub trait Controller: Send {
     fn follow(&mut self, guide: &Arc<Guide>);
     /// One control step.
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision;
+    /// Does it keep to the share and the speed that an observation allows by itself, within the limit of jerk? Its commands are then not cut.
+    fn eases(&self) -> bool {
+        false
+    }
     /// What the last step had in mind, for pictures.
     fn trace(&self) -> Option<Sketch> {
         None

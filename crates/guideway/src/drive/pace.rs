@@ -1,6 +1,7 @@
 //! Speed override and the controlled stop: a share of the planned speed that changes within limits.
 
 use super::Robot;
+use super::ramp::Ramp;
 
 /// Longest step that is followed, s; after a longer gap the share stays where it was.
 const LONGEST: f64 = 0.5;
@@ -12,20 +13,19 @@ pub(super) struct Pace {
     pub share: f64,
     /// Is the robot to stand?
     pub held: bool,
-    /// The share in force.
-    pub now: f64,
-    /// Its rate, 1/s.
-    rate: f64,
-    /// Limits of the rate, falling and rising, 1/s, and of its change, 1/s2.
-    limits: [f64; 2],
-    jerk: f64,
+    ramp: Ramp,
     time: Option<f64>,
 }
 
 impl Pace {
     pub fn new(robot: &Robot, jerk: f64) -> Self {
-        let limits = [robot.deceleration / robot.speed, robot.acceleration / robot.speed];
-        Self { share: 1.0, held: false, now: 1.0, rate: 0.0, limits, jerk: jerk / robot.speed, time: None }
+        let limits = [robot.acceleration / robot.speed, robot.deceleration / robot.speed];
+        Self { share: 1.0, held: false, ramp: Ramp::at(1.0, limits, jerk / robot.speed), time: None }
+    }
+
+    /// The share in force.
+    pub fn now(&self) -> f64 {
+        self.ramp.v
     }
 
     /// The share at time `t`, s.
@@ -34,24 +34,11 @@ impl Pace {
         if t.is_finite() {
             self.time = Some(t);
         }
-        let target = if self.held { 0.0 } else { self.share };
-        let left = target - self.now;
-        if !(dt > 0.0 && dt <= LONGEST) || left == 0.0 {
-            return self.now;
+        if dt <= LONGEST {
+            self.ramp.step(if self.held { 0.0 } else { self.share }, dt);
         }
-        // The rate from which the target is met with the rate falling to zero at the limit; a step less, so that it is not overrun.
-        let most = if left < 0.0 { self.limits[0] } else { self.limits[1] };
-        let change = self.jerk * dt;
-        let gentle = (0.25 * change * change + 2.0 * self.jerk * left.abs()).sqrt() - 0.5 * change;
-        let wanted = gentle.min(most).copysign(left);
-        self.rate += (wanted - self.rate).clamp(-change, change);
-        let next = self.now + self.rate * dt;
-        if (target - next) * left <= 0.0 || left.abs() < 1e-4 {
-            (self.now, self.rate) = (target, 0.0);
-        } else {
-            self.now = next.clamp(0.0, 1.0);
-        }
-        self.now
+        self.ramp.v = self.ramp.v.clamp(0.0, 1.0);
+        self.ramp.v
     }
 }
 
@@ -73,7 +60,7 @@ mod tests {
                 let next = pace.step(t);
                 let fresh = (next - now) / 0.02;
                 assert!(fresh.abs() <= 1.0 + 1e-9, "{fresh}");
-                assert!((fresh - rate).abs() / 0.02 <= 5.0 * 1.5, "{rate} {fresh}");
+                assert!((fresh - rate).abs() / 0.02 <= 5.0 + 1e-6, "{rate} {fresh}");
                 (now, rate) = (next, fresh);
             }
             assert!((now - if held { 0.0 } else { share }).abs() < 1e-12, "{now} {share}");

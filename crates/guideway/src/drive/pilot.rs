@@ -55,6 +55,9 @@ impl<C: Controller + ?Sized> Controller for &mut C {
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision {
         (**self).decide(seen, ctx)
     }
+    fn eases(&self) -> bool {
+        (**self).eases()
+    }
     fn trace(&self) -> Option<Sketch> {
         (**self).trace()
     }
@@ -166,7 +169,7 @@ impl<'a> Pilot<'a> {
         seen.top = self.allowed(seen);
         let decision = self.decide(seen, ctx);
         let decision = self.paced(decision, seen);
-        if self.pace.now > 0.0 && self.navigator.after(seen, &decision, ctx) {
+        if self.pace.now() > 0.0 && self.navigator.after(seen, &decision, ctx) {
             self.follow();
             replanned = true;
         }
@@ -191,9 +194,11 @@ impl<'a> Pilot<'a> {
 
     /// A decision within the speed that is allowed: slower on the same arc where the controller has not done so itself.
     fn paced(&self, decision: Decision, seen: &Observation) -> Decision {
+        let eases = self.controller.eases();
+        let rolls = eases && matches!(decision, Decision::Drive(command) if command.v != 0.0);
         match decision {
-            _ if self.pace.held && seen.share <= 0.0 => Decision::Stop(Reason::new("held")),
-            Decision::Drive(command) => Decision::Drive(seen.within(&self.robot, command)),
+            _ if self.pace.held && seen.share <= 0.0 && !rolls => Decision::Stop(Reason::new("held")),
+            Decision::Drive(command) if !eases => Decision::Drive(seen.within(&self.robot, command)),
             other => other,
         }
     }
@@ -203,13 +208,17 @@ impl<'a> Pilot<'a> {
         let Some(map) = &self.speed_map else { return f64::INFINITY };
         let p = [seen.pose[0], seen.pose[1]];
         let course = &self.guide().course;
-        let reach = seen.v * seen.v / (2.0 * self.robot.deceleration) + AHEAD * seen.v.abs();
+        let (robot, eases) = (&self.robot, self.controller.eases());
+        // A ramp needs longer for the same: its rate must rise and fall.
+        let time = if eases { 2.0 * AHEAD + robot.deceleration / robot.jerk } else { AHEAD };
+        let slow = if eases { 0.7 * robot.deceleration } else { robot.deceleration };
+        let reach = seen.v * seen.v / (2.0 * slow) + time * seen.v.abs();
         let n = (reach / (0.5 * map.resolution())).ceil().clamp(1.0, 1e4);
         let ahead = |k: u32| {
             let d = reach * f64::from(k) / n;
             let pose = course.at_length(self.navigator.reached() + d).pose;
             let limit = map.around([pose[0], pose[1]]);
-            (limit * limit + 2.0 * self.robot.deceleration * (d - AHEAD * seen.v.abs()).max(0.0)).sqrt()
+            (limit * limit + 2.0 * slow * (d - time * seen.v.abs()).max(0.0)).sqrt()
         };
         (1..=n as u32).map(ahead).fold(map.around(p), f64::min)
     }

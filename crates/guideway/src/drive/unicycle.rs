@@ -156,7 +156,15 @@ mod tests {
     use crate::world::Footprint;
 
     fn robot() -> Robot {
-        Robot { footprint: Footprint::Disc(0.2), speed: 2.0, acceleration: 1.0, deceleration: 0.5, turn_rate: 2.0, turn_acceleration: 4.0 }
+        Robot {
+            footprint: Footprint::Disc(0.2),
+            speed: 2.0,
+            acceleration: 1.0,
+            deceleration: 0.5,
+            jerk: 10.0,
+            turn_rate: 2.0,
+            turn_acceleration: 4.0,
+        }
     }
 
     #[test]

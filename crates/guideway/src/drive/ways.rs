@@ -89,20 +89,23 @@ pub(super) struct Predictor<'a> {
     pub limit: f64,
     /// Reaction time (s) and error (m) of the stops.
     pub stop: [f64; 2],
+    /// Stops at the end of the path begin so much earlier, s.
+    pub early: f64,
 }
 
 impl Predictor<'_> {
     /// Speeds that the manoeuvre asks for in a state.
     pub fn wanted(&self, way: Way, sim: &Sim) -> (f64, f64) {
         let mark = self.local.mark(sim.mark);
-        let left = (self.local.length - self.local.relative(sim.mark, sim.pose)[0]).max(0.0);
+        let early = self.early * sim.v.max(0.0);
+        let left = (self.local.length - self.local.relative(sim.mark, sim.pose)[0] - early).max(0.0);
         match way {
             Way::Arc { v, w } => (v, w),
             Way::Heading { yaw, v } => self.turned(wrap(yaw - sim.pose[2]), v),
             Way::Toward { v } => {
                 let target = self.local.beyond(sim.mark, AHEAD);
                 let (dx, dy) = (target.point[0] - sim.pose[0], target.point[1] - sim.pose[1]);
-                let far = if target.s >= self.local.length - 1e-6 { dx.hypot(dy) } else { f64::INFINITY };
+                let far = if target.s >= self.local.length - 1e-6 { (dx.hypot(dy) - early).max(0.0) } else { f64::INFINITY };
                 self.turned(wrap(dy.atan2(dx) - sim.pose[2]), v.min(approach(EASY * self.robot.deceleration, far)))
             }
             Way::Follow { share, offset } => {

@@ -154,8 +154,8 @@ fn all_go(movers: &mut [Wanderer], rng: &mut ChaCha8Rng, t: f64, m: &Motion) {
     }
 }
 
-/// Drives in one random room.
-pub fn drive(seed: u64) -> Tally {
+/// Drives in one random room; `set` holds parameters of the controller.
+pub fn drive(seed: u64, set: &serde_json::Value) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let ([world, judged], footprint) = (room(&mut rng), footprint(&mut rng));
     let world = Arc::new(world);
@@ -170,6 +170,7 @@ pub fn drive(seed: u64) -> Tally {
         speed,
         acceleration,
         deceleration,
+        jerk: 2.0 + 3.0 * (seed % 7) as f64,
         turn_rate: rng.random_range(0.8..2.5),
         turn_acceleration: rng.random_range(2.0..6.0),
     };
@@ -184,7 +185,7 @@ pub fn drive(seed: u64) -> Tally {
         }
     }
     let setup = Setup { world: Arc::clone(&world), robot, clearance: 0.1 };
-    let mut driver = controller("improved-dwa", serde_json::Value::Null, &setup).expect("the default controller");
+    let mut driver = controller("improved-dwa", set.clone(), &setup).expect("the default controller");
     driver.follow(&straight(start, place(&mut rng)));
     let (period, mut ctx, mut t) = ([0.02, 0.05][rng.random_range(0..2)], Context::new(seed), 0.0);
     for step in 0..STEPS {

@@ -10,6 +10,7 @@ use crate::drive::field::{Field, Margins, Met};
 use crate::drive::filter::Filter;
 use crate::drive::guard::{Bounds, Guard, State};
 use crate::drive::local::Local;
+use crate::drive::ramp::Ramp;
 use crate::drive::search::{Node, Plans, Search};
 use crate::drive::ways::{Predictor, Sim, Way};
 use crate::drive::{Command, Controller, CostToGo, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
@@ -48,6 +49,15 @@ const BESIDE: f64 = 0.06;
 const NOTHING: [f64; 2] = [0.02, 0.05];
 /// Older looks at the surroundings are none, s.
 const BLIND: f64 = 0.5;
+/// Steps of a ramp until the period is known, and at most, s.
+const FIRST: f64 = 0.01;
+const LONGEST: f64 = 0.1;
+/// Below this a base that has braked counts as standing, m/s.
+const SLOWEST: f64 = 0.05;
+/// Least share of the acceleration that is commanded where speeds are ramped.
+const GENTLE: f64 = 0.8;
+/// A command that does more than stop keeps so much more distance where speeds are ramped, so that noise does not forbid the soft stop after it, m.
+const FIRM: f64 = 0.02;
 /// Arcs in a sketch.
 const FAN: usize = 12;
 
@@ -65,7 +75,7 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
         guide: None,
         s: 0.0,
         best: (0.0, f64::NAN),
-        last: Last { command: Command::default(), side: None, time: f64::NAN },
+        last: Last { command: Command::default(), rate: 0.0, braked: true, side: None, time: f64::NAN },
         held: None,
         sketch: Sketch::default(),
     })
@@ -74,8 +84,33 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
 /// What was done before.
 struct Last {
     command: Command,
+    /// Rate of the commanded speed, m/s2.
+    rate: f64,
+    /// It was a full brake.
+    braked: bool,
     side: Option<i32>,
     time: f64,
+}
+
+/// A command, and the ramp it lies on where speeds are ramped.
+#[derive(Clone, Copy)]
+struct Move {
+    command: Command,
+    ramp: Option<Ramp>,
+    /// It is a stop on the ramp.
+    brakes: bool,
+}
+
+impl Move {
+    /// Does it ask the base to stand?
+    fn stands(&self) -> bool {
+        nothing(self.command) && self.ramp.is_none_or(Ramp::rests)
+    }
+}
+
+/// Is a command too small to be one?
+fn nothing(command: Command) -> bool {
+    command.v.abs() < NOTHING[0] && command.w.abs() < NOTHING[1]
 }
 
 struct Planning {
@@ -105,10 +140,17 @@ impl Controller for Planning {
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {
+        let (from, dt) = (self.ramp(seen).v, self.lapse(seen.time));
         let decision = self.decided(seen);
-        self.last.command = if let Decision::Drive(command) = decision { command } else { Command::default() };
-        self.last.time = seen.time;
+        self.last.braked = !matches!(decision, Decision::Drive(_));
+        let next = if let Decision::Drive(command) = decision { command } else { Command::default() };
+        self.last.rate = if self.last.braked { 0.0 } else { (next.v - from) / dt };
+        (self.last.command, self.last.time) = (next, seen.time);
         decision
+    }
+
+    fn eases(&self) -> bool {
+        self.p.jerk_limited
     }
 
     fn trace(&self) -> Option<Sketch> {
@@ -129,17 +171,12 @@ impl Planning {
         self.filter.apply(&mut seen);
         let course = &guide.course;
         self.s = course.project([seen.pose[0], seen.pose[1]], (self.s - 1.0).max(0.0), self.s + 0.5).0;
-        if let Some(decision) = self.at_the_end(course, &seen) {
-            return decision;
-        }
         if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
             self.best = (self.s, seen.time);
         }
-        if seen.time - self.best.1 > self.p.patience {
-            self.best.1 = seen.time;
-            return Decision::Replan(nearest(&seen));
-        }
-        self.choose(&guide, &seen)
+        let over = seen.time - self.best.1 > self.p.patience;
+        let due = self.at_the_end(course, &seen).or_else(|| over.then(|| Decision::Replan(nearest(&seen))));
+        self.choose(&guide, &seen, due)
     }
 
     /// At the last point: the last turn in place, then rest.
@@ -157,7 +194,7 @@ impl Planning {
         Some(Decision::Stop(Reason::new("at the end of the path")))
     }
 
-    fn choose(&mut self, guide: &Guide, seen: &Observation) -> Decision {
+    fn choose(&mut self, guide: &Guide, seen: &Observation, due: Option<Decision>) -> Decision {
         let robot = &self.setup.robot.clone();
         let body = &self.body.clone();
         let world = seen.known.clone().unwrap_or_else(|| Arc::clone(&self.setup.world));
@@ -167,23 +204,28 @@ impl Planning {
         let bounds = Bounds { lag, delay: self.p.delay, hold, error: self.p.error, drift: self.p.drift };
         let now = State { pose: seen.pose, v: seen.v, w: seen.w };
         let guard = Guard::new((&field, self.arm), robot, bounds, now, self.last.command);
+        if let Some(decision) = due {
+            return self.eased(decision, &guard, seen);
+        }
         let back = self.s.min(1.0);
         let local = Local::new(&guide.course, self.s - back, back + robot.speed * (self.p.horizon + 0.5) + 0.5);
-        let stop = [hold + self.p.delay + SLOW, self.p.error + SPARE];
-        let predictor = Predictor { field: &field, local: &local, robot, lag, arm: self.arm, limit: LIMIT, stop };
+        // A ramp answers like a base that is so much slower.
+        let more = if self.p.jerk_limited { 0.5 * robot.acceleration.max(robot.deceleration) / robot.jerk } else { 0.0 };
+        let stop = [hold + self.p.delay + more + SLOW, self.p.error + SPARE];
+        let predictor =
+            Predictor { field: &field, local: &local, robot, lag: [lag[0] + more, lag[1]], arm: self.arm, limit: LIMIT, stop, early: more };
         let start = guard.ahead(self.p.delay);
         let mark = local.nearest((back / 0.05) as usize, [start.pose[0], start.pose[1]]);
         let start = Sim { pose: start.pose, v: start.v, w: start.w, mark };
         if let Some((until, way)) = self.held
             && (1e-9..=self.p.period).contains(&(until - seen.time))
         {
-            let (v, w) = predictor.wanted(way, &start);
-            let command = seen.within(robot, Command { v, w });
-            if self.allowed(&guard, command).is_ok() {
-                return Decision::Drive(command);
+            let step = self.asked(&predictor, way, &start, seen);
+            if self.allowed(&guard, step).is_ok() {
+                return Decision::Drive(step.command);
             }
         }
-        if let Some(decision) = self.undisturbed(&predictor, &guard, &start) {
+        if let Some(decision) = self.undisturbed(&predictor, &guard, &start, seen) {
             return decision;
         }
         let firsts = self.firsts();
@@ -192,7 +234,7 @@ impl Planning {
     }
 
     /// Along the path, where nothing is near on the way: no search is needed.
-    fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, start: &Sim) -> Option<Decision> {
+    fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, start: &Sim, seen: &Observation) -> Option<Decision> {
         let way = Way::Follow { share: 1.0, offset: 0.0 };
         let place = |sim: &Sim| predictor.local.relative(sim.mark, sim.pose);
         let ([s, lateral, _], left) = (place(start), predictor.local.length - place(start)[0]);
@@ -204,13 +246,13 @@ impl Planning {
         if exposed > 0.0 || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;
         }
-        let (v, w) = predictor.wanted(way, start);
-        let rest = self.allowed(guard, Command { v, w }).ok()?;
+        let step = self.asked(predictor, way, start, seen);
+        let rest = self.allowed(guard, step).ok()?;
         self.sketch.chosen = vec![[start.pose[0], start.pose[1]], [on.end.pose[0], on.end.pose[1]]];
         self.sketch.fan.clear();
         self.sketch.discs = predictor.field.discs(rest);
         (self.last.side, self.held) = (Some(way.side()), None);
-        Some(Decision::Drive(Command { v, w }))
+        Some(Decision::Drive(step.command))
     }
 
     /// The best plan whose first command is safe.
@@ -222,30 +264,90 @@ impl Planning {
         let mut refused = None;
         for &i in &plans.best {
             let way = firsts[plans.node(i).first];
-            let (v, w) = predictor.wanted(way, start);
-            let command = seen.within(&self.setup.robot, Command { v, w });
-            match self.allowed(guard, command) {
+            let step = self.asked(predictor, way, start, seen);
+            match self.allowed(guard, step) {
                 Err(met) => refused = refused.or(Some(met)),
                 Ok(rest) => {
                     self.sketch.chosen = plans.line(i);
                     self.sketch.discs = predictor.field.discs(rest);
                     self.last.side = Some(way.side());
-                    if command.v.abs() < NOTHING[0] && command.w.abs() < NOTHING[1] {
+                    if step.stands() {
                         self.held = None;
                         return Decision::Stop(why(refused.or(planned).or(plans.node(i).met), seen));
                     }
                     self.held = Some((seen.time + self.p.period, way));
-                    return Decision::Drive(command);
+                    return Decision::Drive(step.command);
                 }
             }
         }
-        (self.held, self.last.side) = (None, None);
-        Decision::Stop(unsafe_stop(refused, seen))
+        self.last.side = None;
+        self.eased(Decision::Stop(unsafe_stop(refused, seen)), guard, seen)
     }
 
-    /// Is a command safe? The time until the base stands after it, s.
-    fn allowed(&self, guard: &Guard, command: Command) -> Result<f64, Met> {
-        if self.p.guarantee { guard.certify(command) } else { Ok(0.0) }
+    /// Is a command safe, with the full brake and, on a ramp, with the soft one? The time until the base stands after it, s.
+    fn allowed(&self, guard: &Guard, step: Move) -> Result<f64, Met> {
+        if !self.p.guarantee {
+            return Ok(0.0);
+        }
+        let spare = if step.ramp.is_none() || step.brakes { 0.0 } else { FIRM };
+        let soft = if step.ramp.is_some() { guard.certify(step.command, step.ramp, spare)? } else { 0.0 };
+        Ok(guard.certify(step.command, None, spare)?.max(soft))
+    }
+
+    /// What a manoeuvre asks for now, within the speed that is allowed and on the ramp.
+    fn asked(&self, predictor: &Predictor, way: Way, start: &Sim, seen: &Observation) -> Move {
+        let (v, w) = predictor.wanted(way, start);
+        let step = self.ramped(seen.within(&self.setup.robot, Command { v, w }), seen);
+        // Where the ramp needs all that is left of the path to stop, it begins to.
+        let left = (predictor.local.length - predictor.local.relative(start.mark, start.pose)[0]).max(0.0);
+        let long = |ramp: Ramp| ramp.v > SLOWEST && ramp.stop(self.lapse(seen.time)) + self.p.lag_speed * ramp.v > left;
+        if step.ramp.is_some_and(long) {
+            let stop = self.ramped(Command::default(), seen);
+            return Move { command: Command { w, ..stop.command }, ..stop };
+        }
+        step
+    }
+
+    fn ramped(&self, wanted: Command, seen: &Observation) -> Move {
+        if !self.p.jerk_limited {
+            return Move { command: wanted, ramp: None, brakes: false };
+        }
+        let (mut ramp, brakes) = (self.ramp(seen), nothing(wanted));
+        let v = ramp.step(if brakes { 0.0 } else { wanted.v }, self.lapse(seen.time));
+        Move { command: Command { v, w: wanted.w }, ramp: Some(ramp), brakes }
+    }
+
+    /// The ramp of the commanded speed as the last step left it; after a full brake it begins at the speed of the base.
+    fn ramp(&self, seen: &Observation) -> Ramp {
+        let robot = &self.setup.robot;
+        // Speeds that are commanded in steps of h make a base with lag T change its speed faster for a moment, by (h / T) / (1 - exp(-h / T)).
+        let x = self.lapse(seen.time) / self.p.lag_speed.max(1e-9);
+        let gentle = (-(-x).exp_m1() / x).max(GENTLE);
+        let v = if !self.last.braked || seen.v.abs() < SLOWEST { self.last.command.v } else { seen.v };
+        Ramp { a: self.last.rate, ..Ramp::at(v, [gentle * robot.acceleration, gentle * robot.deceleration], robot.jerk) }
+    }
+
+    /// Time since the last step, s.
+    fn lapse(&self, t: f64) -> f64 {
+        let dt = t - self.last.time;
+        if dt.is_nan() { FIRST } else { dt.clamp(1e-3, LONGEST) }
+    }
+
+    /// A decision that no search has made: if it is safe, and on the ramp down to rest first.
+    fn eased(&mut self, decision: Decision, guard: &Guard, seen: &Observation) -> Decision {
+        self.held = None;
+        let (wanted, drives) = if let Decision::Drive(command) = decision { (command, true) } else { (Command::default(), false) };
+        let step = self.ramped(wanted, seen);
+        if !drives && step.ramp.is_none_or(Ramp::rests) {
+            if matches!(decision, Decision::Replan(_)) {
+                self.best.1 = seen.time;
+            }
+            return decision;
+        }
+        match self.allowed(guard, step) {
+            Ok(_) => Decision::Drive(step.command),
+            Err(met) => Decision::Stop(unsafe_stop(Some(met), seen)),
+        }
     }
 
     fn search(&self, predictor: &Predictor, start: Sim, firsts: &[Way], guide: &Guide) -> Plans {

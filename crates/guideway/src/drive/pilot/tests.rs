@@ -224,3 +224,36 @@ fn a_map_of_speeds_is_kept_to_by_the_plan_and_by_the_drive() {
     let over = run.driven.iter().map(|r| r[4] - map.at([r[1], r[2]])).fold(f64::NEG_INFINITY, f64::max);
     assert!(over < 0.02 && run.driven.iter().any(|r| r[4] > 0.8), "{over}");
 }
+
+#[test]
+fn ramped_speeds_keep_to_zones_shares_and_stops() {
+    let world = room(ROOM, Vec::new(), Vec::new());
+    let mut slow = vec![f64::INFINITY; 100 * 60];
+    (0..60).for_each(|y| slow[y * 100 + 40..y * 100 + 60].fill(0.3));
+    let map = Arc::new(SpeedMap::new(&slow, [100, 60], 0.1, [0.0; 3]).unwrap());
+    let query = query(&world, &[[1.0, 3.0], [9.0, 3.0]]);
+    let motion = legs(&[[1.0, 3.0], [9.0, 3.0]], crate::query::Limits { jerk: 3.0, ..limits() });
+    let mut job = Job::new(&query, &motion).unwrap();
+    (job.speed_map, job.plant) = (Some(Arc::clone(&map)), Unicycle { lag_speed: 0.08, ..Unicycle::ideal() });
+    let setup = Setup { world: Arc::clone(&world), robot: job.robot.clone(), clearance: 0.1 };
+    let ramped = || controller("improved-dwa", serde_json::json!({"jerk_limited": true}), &setup).unwrap();
+    let run = execute(&job, ramped().as_mut(), &mut Context::new(1)).unwrap();
+    let over = run.driven.iter().map(|r| r[4] - map.at([r[1], r[2]])).fold(f64::NEG_INFINITY, f64::max);
+    assert!(run.outcome == Outcome::Arrived && over < 0.01 && run.driven.iter().any(|r| r[4] > 0.7), "{over} {:?}", run.events);
+    // The speed of a base with a lag, driven by hand with an override and a stop on the path.
+    let mut pilot = Pilot::owned(&Job { speed_map: None, ..job }, ramped(), None).unwrap();
+    let mut plant = Unicycle { lag_speed: 0.08, ..Unicycle::ideal() }.place(&setup.robot, [1.0, 3.0, 0.0], 0);
+    let mut speeds = Vec::new();
+    for k in 0..600_u32 {
+        pilot.set_share(if (150..250).contains(&k) { 0.4 } else { 1.0 }).unwrap();
+        pilot.hold((350..450).contains(&k));
+        let mut seen = Observation { time: 0.02 * f64::from(k), ..plant.observe() };
+        let step = pilot.step(&mut seen, None, &mut Context::new(0));
+        assert!(step.stop.is_none() || plant.motion().v < 0.05, "{k} {step:?}");
+        plant.step(step.command, 0.02);
+        speeds.push(plant.motion().v);
+    }
+    assert!(speeds[149] > 0.8 && (speeds[249] - 0.4).abs() < 0.05 && speeds[449] < 1e-3 && speeds[599] > 0.8, "{speeds:.2?}");
+    let worst = speeds.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / 0.0004).fold(0.0, f64::max);
+    assert!(worst <= 3.0 * (1.0 + 1e-6), "{worst}");
+}

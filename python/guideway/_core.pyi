@@ -278,6 +278,57 @@ def scurve(
 ) -> Profile: ...
 
 @final
+class PointToPoint:
+    """A problem of several axes that can be planned again and again."""
+
+    def __new__(
+        cls,
+        start: ArrayLike,
+        goal: ArrayLike | Sequence[float | None] | None,
+        *,
+        limits: Mapping[str, ArrayLike | None],
+        start_velocity: ArrayLike | None = None,
+        start_acceleration: ArrayLike | None = None,
+        goal_velocity: ArrayLike | None = None,
+        goal_acceleration: ArrayLike | None = None,
+        sync: Literal["time", "phase", "none"] = "time",
+        minimum_duration: float = 0.0,
+        cycle: float | None = None,
+        enabled: Sequence[bool] | None = None,
+    ) -> PointToPoint: ...
+    def plan(self) -> PointToPointMotion: ...
+
+@final
+class PointToPointMotion:
+    """A motion of several axes in pieces of constant jerk."""
+
+    @property
+    def duration(self) -> float: ...
+    @property
+    def durations(self) -> _Floats: ...
+    @property
+    def straight(self) -> bool: ...
+    @property
+    def phases(self) -> list[_Floats]: ...
+    def at(self, t: float) -> dict[str, Any]: ...
+    def sample(self, rate: float | None = None, *, times: ArrayLike | None = None) -> dict[str, _Floats]: ...
+
+def point_to_point(
+    start: ArrayLike,
+    goal: ArrayLike | Sequence[float | None] | None,
+    *,
+    limits: Mapping[str, ArrayLike | None],
+    start_velocity: ArrayLike | None = None,
+    start_acceleration: ArrayLike | None = None,
+    goal_velocity: ArrayLike | None = None,
+    goal_acceleration: ArrayLike | None = None,
+    sync: Literal["time", "phase", "none"] = "time",
+    minimum_duration: float = 0.0,
+    cycle: float | None = None,
+    enabled: Sequence[bool] | None = None,
+) -> PointToPointMotion: ...
+
+@final
 class Minimum:
     """What an optimizer found."""
 

@@ -1,5 +1,6 @@
 //! Python binding: conversion only. Arrays come and go as NumPy, records as plain dictionaries, errors as the classes of `guideway.errors`.
 
+mod axes;
 mod certify;
 mod convert;
 mod errors;
@@ -27,6 +28,8 @@ mod _core {
     #[expect(non_upper_case_globals, reason = "the name that Python expects")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
 
+    #[pymodule_export]
+    use crate::axes::{PointToPoint, PointToPointMotion, point_to_point};
     #[pymodule_export]
     use crate::certify::{certify, reference};
     #[pymodule_export]

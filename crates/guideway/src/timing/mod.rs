@@ -1,5 +1,6 @@
 //! From a path and limits to a motion in time.
 
+pub mod axes;
 mod ceiling;
 mod correction;
 mod csv;

@@ -1,0 +1,138 @@
+//! A leg: acceleration rises from one value to a peak, may be held at its limit, and falls to another value, all at the jerk limit.
+//!
+//! With `p` the peak, `f` the first and `l` the last acceleration, the speed grows by `(2 p^2 - f^2 - l^2) / (2 j) + p h`, where the
+//! hold `h` is zero below the limit. All in terms of `q = p^2 + j p h`, the square of the peak without a limit, which is linear in
+//! the speed gained.
+
+use crate::timing::scurve::Phase;
+
+/// Durations of the three phases, and what they cover.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Leg {
+    /// Ramp up, s.
+    rise: f64,
+    /// At the limit, s.
+    hold: f64,
+    /// Ramp down, s.
+    fall: f64,
+    /// Largest acceleration.
+    pub(super) peak: f64,
+    /// Integral over the leg of its last speed minus the speed.
+    pub(super) area: f64,
+}
+
+impl Leg {
+    /// From acceleration `first` to `last` with the square `q` of the peak, at most `limit`.
+    #[inline]
+    pub(super) fn new(q: f64, (first, last): (f64, f64), limit: f64, jerk: f64) -> Self {
+        let free = q.max(0.0).sqrt();
+        let peak = free.min(limit);
+        let hold = if free > limit { (q - limit * limit) / (jerk * limit) } else { 0.0 };
+        let rise = ((peak - first) / jerk).max(0.0);
+        let fall = ((peak - last) / jerk).max(0.0);
+        let short = fall * (last + 0.5 * jerk * fall);
+        let late = short + peak * hold;
+        let area = fall * fall * (0.5 * last + jerk * fall / 6.0)
+            + hold * (short + 0.5 * peak * hold)
+            + rise * (late + rise * (0.5 * peak - jerk * rise / 6.0));
+        Self { rise, hold, fall, peak, area }
+    }
+
+    /// s.
+    #[inline]
+    pub(super) fn time(&self) -> f64 {
+        self.rise + self.hold + self.fall
+    }
+
+    /// Its phases in the order of time, for accelerations of this sign.
+    #[inline]
+    pub(super) fn phases(&self, sign: f64, jerk: f64) -> [Phase; 3] {
+        [
+            Phase { duration: self.rise, jerk: sign * jerk },
+            Phase { duration: self.hold, jerk: 0.0 },
+            Phase { duration: self.fall, jerk: -sign * jerk },
+        ]
+    }
+}
+
+/// Phases of one axis, empty ones left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shape {
+    phases: [Phase; 8],
+    count: usize,
+}
+
+impl Shape {
+    #[inline]
+    pub(super) fn new() -> Self {
+        Self { phases: [Phase::default(); 8], count: 0 }
+    }
+
+    /// Appends a phase; one with the jerk of its predecessor prolongs that.
+    #[inline]
+    pub(super) fn push(&mut self, duration: f64, jerk: f64) {
+        if duration <= 0.0 {
+            return;
+        }
+        if self.count > 0 && self.phases[self.count - 1].jerk == jerk {
+            self.phases[self.count - 1].duration += duration;
+        } else if self.count < self.phases.len() {
+            self.phases[self.count] = Phase { duration, jerk };
+            self.count += 1;
+        }
+    }
+
+    #[inline]
+    pub(super) fn phases(&self) -> &[Phase] {
+        &self.phases[..self.count]
+    }
+
+    /// The same motion seen in reversed time and with turned positions: speeds stay, the order is reversed.
+    pub(super) fn reversed(mut self) -> Self {
+        self.phases[..self.count].reverse();
+        self
+    }
+
+    /// The mirror image.
+    pub(super) fn flipped(mut self) -> Self {
+        for phase in &mut self.phases[..self.count] {
+            phase.jerk = -phase.jerk;
+        }
+        self
+    }
+}
+
+/// Two motions of the same duration and the same ends, mixed: `share` of the second. Whatever convex limits both keep, the mixture
+/// keeps as well.
+pub(super) fn blend(first: &[Phase], second: &[Phase], share: f64) -> Vec<Phase> {
+    let mut mixed: Vec<Phase> = Vec::with_capacity(first.len() + second.len());
+    let (mut i, mut k) = (0, 0);
+    let mut left = [first.first().map_or(0.0, |p| p.duration), second.first().map_or(0.0, |p| p.duration)];
+    while i < first.len() && k < second.len() {
+        // The last phases end together but for rounding.
+        let last = (i + 1 == first.len(), k + 1 == second.len());
+        let step = match last {
+            (true, false) => left[1],
+            (false, true) => left[0],
+            (true, true) => left[0] + share * (left[1] - left[0]),
+            (false, false) => left[0].min(left[1]),
+        };
+        let jerk = first[i].jerk + share * (second[k].jerk - first[i].jerk);
+        if step > 0.0 {
+            mixed.push(Phase { duration: step, jerk });
+        }
+        if last == (true, true) {
+            break;
+        }
+        left = [left[0] - step, left[1] - step];
+        if !last.0 && left[0] <= 0.0 {
+            i += 1;
+            left[0] += first[i].duration;
+        }
+        if !last.1 && left[1] <= 0.0 {
+            k += 1;
+            left[1] += second[k].duration;
+        }
+    }
+    mixed
+}

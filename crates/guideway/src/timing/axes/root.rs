@@ -1,0 +1,36 @@
+//! Roots of functions that grow, by Newton steps inside a bracket.
+
+/// The place in `[low, high]` where a growing function (value and slope) is zero; the end nearest to it if there is none.
+pub(super) fn rising((mut low, mut high): (f64, f64), guess: f64, mut f: impl FnMut(f64) -> (f64, f64)) -> f64 {
+    let mut x = if guess > low && guess < high { guess } else { f64::midpoint(low, high) };
+    let mut wide = high - low;
+    for round in 0..200 {
+        let (y, slope) = f(x);
+        if y == 0.0 {
+            return x;
+        }
+        if y > 0.0 {
+            high = x
+        } else {
+            low = x
+        }
+        let mut next = x - y / slope;
+        // Every third step must have halved the bracket or the Newton step must be tiny; otherwise it is halved by force.
+        let settled = (next - x).abs() <= 4.0 * f64::EPSILON * x.abs();
+        if settled && next >= low && next <= high {
+            return next;
+        }
+        let slow = round % 4 == 3 && high - low > 0.5 * wide && (next - x).abs() > 1e-3 * (high - low);
+        if round % 4 == 3 {
+            wide = high - low;
+        }
+        if slow || !(next > low && next < high) {
+            next = f64::midpoint(low, high);
+        }
+        if next <= low || next >= high {
+            return next;
+        }
+        x = next;
+    }
+    x
+}

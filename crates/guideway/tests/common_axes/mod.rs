@@ -1,0 +1,117 @@
+//! Random problems of several axes and an independent check of motions; nothing here calls the planner's own arithmetic.
+
+use guideway::timing::axes::{Axis, AxisGoal, AxisLimits, AxisMotion, AxisState, Input, Sync};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// Log-uniform in a range.
+fn spread(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(rng.random::<f64>())
+}
+
+fn limits(rng: &mut ChaCha8Rng) -> AxisLimits {
+    let mut draw = || spread(rng, 1e-2, 1e2);
+    let (v, a, jerk) = (draw(), draw(), draw());
+    let (low_v, low_a) = (draw(), draw());
+    if rng.random::<f64>() < 0.3 {
+        return AxisLimits::symmetric(v, a, jerk);
+    }
+    AxisLimits { velocity: (-low_v, v), acceleration: (-low_a, a), jerk }
+}
+
+/// Velocity and acceleration that limits allow, for a start (`sign` 1) or a goal (-1): at rest, at a limit or anywhere.
+fn boundary(rng: &mut ChaCha8Rng, limits: &AxisLimits, sign: f64) -> (f64, f64) {
+    let (low, high) = limits.velocity;
+    let v = match rng.random_range(0..5) {
+        0 => 0.0,
+        1 => high,
+        2 => low,
+        _ => low + (high - low) * rng.random::<f64>(),
+    };
+    // An acceleration away from zero must not lead beyond the velocity limit by the time it has gone.
+    let up = (2.0 * limits.jerk * (high - v)).max(0.0).sqrt();
+    let down = (2.0 * limits.jerk * (v - low)).max(0.0).sqrt();
+    let (least, most) = limits.acceleration;
+    let (below, above) = if sign > 0.0 { (down, up) } else { (up, down) };
+    let range = (least.max(-below), most.min(above));
+    let a = match rng.random_range(0..5) {
+        0 | 1 => 0.0,
+        2 => range.1 * (1.0 - 1e-12),
+        _ => range.0 + (range.1 - range.0) * rng.random::<f64>(),
+    };
+    (v, a)
+}
+
+/// One axis over wide limits.
+pub fn axis(rng: &mut ChaCha8Rng) -> Axis {
+    let limits = limits(rng);
+    let (v0, a0) = boundary(rng, &limits, 1.0);
+    let (v1, a1) = boundary(rng, &limits, -1.0);
+    let p0 = rng.random_range(-1.0..1.0);
+    let p1 = match rng.random_range(0..8) {
+        0 => p0,
+        1 => p0 + 1e-9 * rng.random::<f64>(),
+        _ => p0 + spread(rng, 1e-4, 1e4) * if rng.random::<bool>() { 1.0 } else { -1.0 },
+    };
+    Axis {
+        start: AxisState { position: p0, velocity: v0, acceleration: a0 },
+        goal: AxisGoal { position: Some(p1), velocity: v1, acceleration: a1 },
+        limits,
+        enabled: true,
+    }
+}
+
+/// Some axes, some way to go together.
+pub fn problem(rng: &mut ChaCha8Rng) -> Input {
+    let count = rng.random_range(1..5);
+    let mut axes: Vec<Axis> = (0..count).map(|_| axis(rng)).collect();
+    if rng.random::<f64>() < 0.1 {
+        axes.iter_mut().for_each(|a| a.goal.position = None);
+    }
+    let sync = if rng.random::<f64>() < 0.1 { Sync::None } else { Sync::Time };
+    let minimum_duration = if rng.random::<f64>() < 0.2 { spread(rng, 1e-2, 1e4) } else { 0.0 };
+    let cycle = (rng.random::<f64>() < 0.1).then(|| spread(rng, 1e-3, 1e-1));
+    Input { axes, sync, minimum_duration, cycle }
+}
+
+/// Largest error of the ends and jumps between pieces (relative to the way and the speeds on it) and excess over limits (relative to them).
+pub fn errors(axis: &Axis, motion: &AxisMotion) -> (f64, f64) {
+    let (mut p, mut v, mut a) = (axis.start.position, axis.start.velocity, axis.start.acceleration);
+    let (mut way, mut fast, mut strong) = (p.abs(), v.abs(), a.abs());
+    let mut excess: f64 = 0.0;
+    let mut clock = 0.0;
+    let mut over = |x: f64, (low, high): (f64, f64)| excess = excess.max((x - high) / high).max((low - x) / -low);
+    let mut jumps = [0.0f64; 3];
+    for piece in &motion.pieces {
+        let (t, j, at) = (piece.duration, piece.jerk, piece.start);
+        assert!(t > 0.0 && j.is_finite(), "{piece:?}");
+        for (jump, gap) in jumps.iter_mut().zip([at.position - p, at.velocity - v, at.acceleration - a]) {
+            *jump += gap.abs();
+        }
+        (p, v, a) = (at.position, at.velocity, at.acceleration);
+        over(j, (-axis.limits.jerk, axis.limits.jerk));
+        let (v1, a1) = (v + a * t + j * t * t / 2.0, a + j * t);
+        let mut turned = v1;
+        if a * a1 < 0.0 {
+            turned = v - a * a / (2.0 * j);
+        }
+        let bounded = axis.goal.position.is_some();
+        for speed in [v1, turned].into_iter().filter(|_| bounded) {
+            over(speed, axis.limits.velocity);
+        }
+        over(a1, axis.limits.acceleration);
+        p += v * t + a * t * t / 2.0 + j * t * t * t / 6.0;
+        way += v.abs().max(v1.abs()).max(turned.abs()) * t;
+        (v, a) = (v1, a1);
+        fast = fast.max(v.abs()).max(turned.abs());
+        strong = strong.max(a.abs());
+        clock += t;
+    }
+    let mut off: f64 = (jumps[1] + (v - axis.goal.velocity).abs()) / fast.max(1e-6);
+    off = off.max((jumps[2] + (a - axis.goal.acceleration).abs()) / strong.max(1e-6));
+    if let Some(goal) = axis.goal.position {
+        off = off.max((jumps[0] + (p - goal).abs()) / way.max(goal.abs()).max(1e-6));
+    }
+    off = off.max((clock - motion.duration).abs() / motion.duration.max(1e-6));
+    (off, excess)
+}

@@ -140,11 +140,38 @@ impl PointToPoint {
 /// `min_acceleration` (negative) where they differ by direction. Durations are at least `minimum_duration` and whole multiples of `cycle`, s. Axes that are
 /// not `enabled` stay where they are. Raises `BadParameter`, or `Infeasible` where a velocity limit of zero forbids the direction.
 #[pyfunction]
-#[pyo3(signature = (start, goal, **options))]
-pub fn point_to_point(start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>, options: Option<&Bound<'_, PyDict>>) -> PyResult<PointToPointMotion> {
-    let py = start.py();
-    let problem = py.get_type::<PointToPoint>().call((start, goal), options)?;
-    problem.cast::<PointToPoint>()?.get().plan(py)
+#[pyo3(signature = (start, goal, *, limits, start_velocity=None, start_acceleration=None, goal_velocity=None, goal_acceleration=None,
+                    sync="time", minimum_duration=0.0, cycle=None, enabled=None))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
+pub fn point_to_point(
+    py: Python<'_>,
+    start: &Bound<'_, PyAny>,
+    goal: &Bound<'_, PyAny>,
+    limits: &Bound<'_, PyDict>,
+    start_velocity: Option<&Bound<'_, PyAny>>,
+    start_acceleration: Option<&Bound<'_, PyAny>>,
+    goal_velocity: Option<&Bound<'_, PyAny>>,
+    goal_acceleration: Option<&Bound<'_, PyAny>>,
+    sync: &str,
+    minimum_duration: f64,
+    cycle: Option<f64>,
+    enabled: Option<Vec<bool>>,
+) -> PyResult<PointToPointMotion> {
+    PointToPoint::new(
+        py,
+        start,
+        goal,
+        limits,
+        start_velocity,
+        start_acceleration,
+        goal_velocity,
+        goal_acceleration,
+        sync,
+        minimum_duration,
+        cycle,
+        enabled,
+    )?
+    .plan(py)
 }
 
 /// Samples as a dict of (len(times), axes) arrays.

@@ -1,8 +1,9 @@
 //! Random problems of several axes and an independent check of motions; nothing here calls the planner's own arithmetic.
 
-use guideway::timing::axes::{Axis, AxisGoal, AxisLimits, AxisMotion, AxisState, Input, Sync};
+use guideway::timing::axes::{Axis, AxisGoal, AxisLimits, AxisMotion, AxisState, Input, Sync, plan};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 
 /// Log-uniform in a range.
 fn spread(rng: &mut ChaCha8Rng, low: f64, high: f64) -> f64 {
@@ -66,7 +67,9 @@ pub fn problem(rng: &mut ChaCha8Rng) -> Input {
     let count = rng.random_range(1..5);
     let mut axes: Vec<Axis> = (0..count).map(|_| axis(rng)).collect();
     if rng.random::<f64>() < 0.1 {
-        axes.iter_mut().for_each(|a| a.goal.position = None);
+        for axis in &mut axes {
+            axis.goal.position = None;
+        }
     }
     let sync = if rng.random::<f64>() < 0.1 { Sync::None } else { Sync::Time };
     let minimum_duration = if rng.random::<f64>() < 0.2 { spread(rng, 1e-2, 1e4) } else { 0.0 };
@@ -114,4 +117,25 @@ pub fn errors(axis: &Axis, motion: &AxisMotion) -> (f64, f64) {
     }
     off = off.max((clock - motion.duration).abs() / motion.duration.max(1e-6));
     (off, excess)
+}
+
+/// Plans random problems, each of them feasible, and checks every motion.
+pub fn random(count: usize, seed: u64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut worst_off, mut worst_excess) = (0.0f64, 0.0f64);
+    for n in 0..count {
+        let input = problem(&mut rng);
+        let motion = match plan(&input) {
+            Ok(motion) => motion,
+            Err(e) => panic!("{n}: {e}\n{input:?}"),
+        };
+        for (axis, moved) in input.axes.iter().zip(&motion.axes) {
+            let (off, excess) = errors(axis, moved);
+            assert!(off <= 1e-9 && excess <= 1e-9, "{n}: off {off:e}, excess {excess:e}\n{axis:?}\n{moved:?}\n{input:?}");
+            (worst_off, worst_excess) = (worst_off.max(off), worst_excess.max(excess));
+            let together = input.sync == Sync::None || moved.duration == motion.duration;
+            assert!(together && moved.duration >= input.minimum_duration * (1.0 - 1e-12), "{n}: durations\n{input:?}");
+        }
+    }
+    println!("{count} problems: ends off by {worst_off:e}, limits exceeded by {worst_excess:e}");
 }

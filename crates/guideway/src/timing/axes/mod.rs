@@ -118,7 +118,7 @@ pub fn plan(input: &Input) -> Result<Motion, PlanError> {
     for (i, axis) in input.axes.iter().enumerate() {
         solos.push(if axis.enabled { Some(Solo::new(axis).map_err(|why| check::refused(i, axis, why))?) } else { None });
     }
-    let common = if input.sync == Sync::None { None } else { Some(input.duration(solos.iter().flatten())?) };
+    let common = if input.sync == Sync::None { None } else { Some(input.duration(&solos.iter().flatten().collect::<Vec<_>>())?) };
     let mut axes = Vec::with_capacity(input.axes.len());
     for (axis, solo) in input.axes.iter().zip(&solos) {
         let Some(solo) = solo else {
@@ -127,7 +127,7 @@ pub fn plan(input: &Input) -> Result<Motion, PlanError> {
         };
         let time = match common {
             Some(time) => time,
-            None => input.duration([solo].into_iter())?,
+            None => input.duration(&[solo])?,
         };
         axes.push(AxisMotion::new(axis, solo.phases(time).into_iter(), time));
     }
@@ -141,7 +141,7 @@ fn on_a_line(input: &Input) -> Option<Result<Motion, PlanError>> {
     let whole = Input { axes: vec![line.axis], ..Input::default() };
     check::check(&whole).ok()?;
     let solo = Solo::new(&line.axis).ok()?;
-    let time = input.duration([&solo].into_iter()).ok()?;
+    let time = input.duration(&[&solo]).ok()?;
     let phases = solo.phases(time);
     let mut shares = line.shares.iter();
     let axes = input.axes.iter().map(|axis| {
@@ -156,7 +156,7 @@ fn on_a_line(input: &Input) -> Option<Result<Motion, PlanError>> {
 
 impl Input {
     /// The shortest duration that all of these axes can have, s.
-    fn duration<'a>(&self, solos: impl Iterator<Item = &'a Solo> + Clone) -> Result<f64, PlanError> {
+    fn duration(&self, solos: &[&Solo]) -> Result<f64, PlanError> {
         let whole = |time: f64| match self.cycle {
             Some(cycle) => {
                 let count = time / cycle;
@@ -164,9 +164,9 @@ impl Input {
             }
             None => time,
         };
-        let mut time = whole(solos.clone().fold(self.minimum_duration, |longest, solo| longest.max(solo.shortest())));
+        let mut time = whole(solos.iter().fold(self.minimum_duration, |longest, solo| longest.max(solo.shortest())));
         loop {
-            let next = whole(solos.clone().fold(time, |longest, solo| longest.max(solo.next(time))));
+            let next = whole(solos.iter().fold(time, |longest, solo| longest.max(solo.next(time))));
             if next <= time * (1.0 + 1e-13) {
                 return Ok(time);
             }

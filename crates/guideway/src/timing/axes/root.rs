@@ -10,9 +10,9 @@ pub(super) fn rising((mut low, mut high): (f64, f64), guess: f64, mut f: impl Fn
             return x;
         }
         if y > 0.0 {
-            high = x
+            high = x;
         } else {
-            low = x
+            low = x;
         }
         let mut next = x - y / slope;
         // Every third step must have halved the bracket or the Newton step must be tiny; otherwise it is halved by force.

@@ -18,13 +18,18 @@ pub(super) const ROUNDING: f64 = 1e-11;
 /// One axis, solved for its shortest duration.
 #[derive(Debug, Clone)]
 pub(super) struct Solo {
+    /// Motions to the goal without a brake from a start that could not go on within the limits, or to a goal that could not be come
+    /// from within them. Their acceleration keeps its sign.
+    early: Option<Way>,
     brake: Shape,
     /// Duration of the brake, s.
     delay: f64,
-    task: Task,
+    /// After the brake.
+    task: Option<Task>,
 }
 
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "nearly always the large one")]
 enum Task {
     Position(Way),
     Speed { goal: SpeedGoal, shortest: f64 },
@@ -73,53 +78,49 @@ impl Solo {
         let Some(position) = goal.position else {
             let from = after(start, brake.phases());
             let goal = SpeedGoal::new((from.velocity, from.acceleration), end, limits.acceleration, limits.jerk);
-            return Ok(Self::with(brake, Task::Speed { goal, shortest: goal.shortest() }));
+            return Ok(Self::with(None, brake, Some(Task::Speed { goal, shortest: goal.shortest() })));
         };
         let size = 8.0 * f64::EPSILON * (start.position.abs() + position.abs()) + 1e-16;
         let before = settled((end.0, -end.1), limits.jerk);
         let viable = inside(before, limits.velocity);
         let within = inside(start.velocity, limits.velocity) && inside(start.acceleration, limits.acceleration);
-        if within && (!viable || !brake.phases().is_empty()) {
-            // The axis could not go on, or come from, anywhere; it may still get from here to there.
-            let line = Line::new((start.velocity, start.acceleration), end, limits);
-            let way = Way::new(line, position - start.position, size, true);
-            if way.brief.is_some() {
-                return Ok(Self::with(Shape::new(), Task::Position(way)));
-            }
-        }
+        let early = (within && (!viable || !brake.phases().is_empty()))
+            .then(|| Way::new(Line::new((start.velocity, start.acceleration), end, limits), position - start.position, size, true))
+            .filter(|way| way.brief.is_some());
         if !viable {
-            return Err(Refusal::Unreachable(before));
+            return if early.is_some() { Ok(Self::with(early, Shape::new(), None)) } else { Err(Refusal::Unreachable(before)) };
         }
         let from = after(start, brake.phases());
         let line = Line::new((from.velocity, from.acceleration), end, limits);
         let way = Way::new(line, position - from.position, size, false);
-        if way.brief.is_none() && way.usual.is_none() {
-            return Err(Refusal::Forbidden);
-        }
-        Ok(Self::with(brake, Task::Position(way)))
+        let task = (way.brief.is_some() || way.usual.is_some()).then_some(Task::Position(way));
+        if task.is_none() && early.is_none() { Err(Refusal::Forbidden) } else { Ok(Self::with(early, brake, task)) }
     }
 
-    fn with(brake: Shape, task: Task) -> Self {
-        Self { delay: brake.phases().iter().map(|p| p.duration).sum(), brake, task }
+    fn with(early: Option<Way>, brake: Shape, task: Option<Task>) -> Self {
+        Self { early, delay: brake.phases().iter().map(|p| p.duration).sum(), brake, task }
     }
 
     /// Shortest duration, s.
     pub(super) fn shortest(&self) -> f64 {
-        let shortest = match &self.task {
-            Task::Position(way) => way.brief.as_ref().or(way.usual.as_ref()).map_or(f64::INFINITY, |part| part.shortest),
-            Task::Speed { shortest, .. } => *shortest,
-        };
-        self.delay + shortest
+        self.early.as_ref().map_or_else(|| self.delay + self.task.as_ref().map_or(f64::INFINITY, Task::shortest), Way::shortest)
     }
 
     /// The first duration from `time` on that the axis can have, s; infinite if there is none.
     pub(super) fn next(&self, time: f64) -> f64 {
-        let (shortest, wanted) = (self.shortest(), time - self.delay);
-        if time <= shortest * (1.0 + SAME) {
-            return shortest;
+        if let Some(way) = &self.early {
+            let next = if time <= way.shortest() * (1.0 + SAME) { way.shortest() } else { way.next(time) };
+            if next.is_finite() {
+                return next;
+            }
+        }
+        let Some(task) = &self.task else { return f64::INFINITY };
+        let (shortest, wanted) = (task.shortest(), time - self.delay);
+        if wanted <= shortest * (1.0 + SAME) {
+            return self.delay + shortest;
         }
         self.delay
-            + match &self.task {
+            + match task {
                 Task::Position(way) => way.next(wanted),
                 Task::Speed { goal, .. } => past(wanted, goal.blocked()),
             }
@@ -127,13 +128,29 @@ impl Solo {
 
     /// The phases of the motion of the duration `time`, one that [`Solo::next`] allows, s.
     pub(super) fn phases(&self, time: f64) -> Vec<Phase> {
-        let time = time - self.delay;
-        let mut phases = self.brake.phases().to_vec();
-        match &self.task {
-            Task::Position(way) => way.extend(time, &mut phases),
-            Task::Speed { goal, .. } => phases.extend_from_slice(goal.lasting(time).phases()),
+        let mut phases = Vec::with_capacity(8);
+        match (&self.early, &self.task) {
+            (Some(way), _) if time <= way.longest() * (1.0 + SAME) => way.extend(time, &mut phases),
+            (_, Some(task)) => {
+                phases.extend_from_slice(self.brake.phases());
+                match task {
+                    Task::Position(way) => way.extend(time - self.delay, &mut phases),
+                    Task::Speed { goal, .. } => phases.extend_from_slice(goal.lasting(time - self.delay).phases()),
+                }
+            }
+            (Some(way), None) => way.extend(time, &mut phases),
+            (None, None) => {}
         }
         phases
+    }
+}
+
+impl Task {
+    fn shortest(&self) -> f64 {
+        match self {
+            Self::Position(way) => way.shortest(),
+            Self::Speed { shortest, .. } => *shortest,
+        }
     }
 }
 
@@ -180,10 +197,20 @@ impl Way {
         way
     }
 
+    /// s.
+    fn shortest(&self) -> f64 {
+        self.brief.as_ref().or(self.usual.as_ref()).map_or(f64::INFINITY, |part| part.shortest)
+    }
+
+    /// The longest duration of the first component, s.
+    fn longest(&self) -> f64 {
+        self.brief.as_ref().map_or(f64::INFINITY, |part| part.families[0].longest())
+    }
+
     fn next(&self, time: f64) -> f64 {
         if let Some(part) = &self.brief
             && let next = part.next(time, self.distance, self.slack)
-            && next <= part.families[0].longest() * (1.0 + SAME)
+            && next <= self.longest() * (1.0 + SAME)
         {
             return next;
         }
@@ -195,12 +222,12 @@ impl Way {
             if time <= part.shortest * (1.0 + SAME) {
                 return phases.extend_from_slice(part.best.phases());
             }
-            if time <= part.families[0].longest() * (1.0 + SAME) {
+            if time <= self.longest() * (1.0 + SAME) {
                 break;
             }
         }
         match &self.brief {
-            Some(part) if time <= part.families[0].longest() * (1.0 + SAME) => phases.extend(amid(&part.families, self.distance, time)),
+            Some(part) if time <= self.longest() * (1.0 + SAME) => phases.extend(amid(&part.families, self.distance, time)),
             _ => phases.extend(exactly(&self.line, self.distance, time)),
         }
     }

@@ -99,9 +99,10 @@ impl Widest {
 
     /// Sets a finite limit in place of an infinite one, beyond all that `distance` needs.
     pub(super) fn capped(mut self, distance: f64) -> (Self, f64) {
+        let wanted = self.turned(distance);
         if self.range.1.is_infinite() {
             self.range.1 = (self.line.jerk * self.rest.abs()).sqrt().max(self.line.jerk).max(1e-150);
-            while self.cover(self.range.1).distance < distance && self.range.1 < 1e150 {
+            while self.cover(self.range.1).distance < wanted && self.range.1 < 1e150 {
                 self.range.1 *= 2.0;
             }
             self.line.speed.1 = self.rest + self.range.1 * self.range.1 / self.line.jerk;

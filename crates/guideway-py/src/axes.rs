@@ -179,11 +179,11 @@ fn samples<'py>(py: Python<'py>, motion: &Motion, times: &[f64]) -> PyResult<Bou
     let rows: Vec<AxisSample> = times.iter().flat_map(|t| motion.at(*t)).collect();
     let dict = PyDict::new(py);
     dict.set_item("t", PyArray1::from_slice(py, times))?;
-    let columns: [(&str, fn(&AxisSample) -> f64); 4] =
-        [("q", |s| s.position), ("qd", |s| s.velocity), ("qdd", |s| s.acceleration), ("qddd", |s| s.jerk)];
-    for (name, of) in columns {
-        dict.set_item(name, table(py, &rows.iter().map(of).collect::<Vec<_>>(), motion.axes.len())?)?;
-    }
+    let set = |name: &str, of: fn(&AxisSample) -> f64| dict.set_item(name, table(py, &rows.iter().map(of).collect::<Vec<_>>(), motion.axes.len())?);
+    set("q", |s| s.position)?;
+    set("qd", |s| s.velocity)?;
+    set("qdd", |s| s.acceleration)?;
+    set("qddd", |s| s.jerk)?;
     Ok(dict)
 }
 
@@ -212,6 +212,9 @@ impl PointToPointMotion {
     }
     /// Positions q, velocities qd, accelerations qdd and jerks qddd of all axes at time t (s), clamped to the motion: a dict of arrays.
     fn at<'py>(&self, py: Python<'py>, t: f64) -> PyResult<Bound<'py, PyDict>> {
+        if t.is_nan() {
+            return Err(PlanError::bad("t", t, "a time in s")).or_py(py);
+        }
         let dict = PyDict::new(py);
         let state = self.inner.at(t);
         dict.set_item("t", t)?;
@@ -221,23 +224,23 @@ impl PointToPointMotion {
         dict.set_item("qddd", PyArray1::from_iter(py, state.iter().map(|s| s.jerk)))?;
         Ok(dict)
     }
-    /// The motion at `rate` samples per second, its end included, or at given times (s): a dict of t (m,) and q, qd, qdd, qddd (m, axes).
+    /// The motion at `rate` samples per second (500 unless given), its end included, or at given times (s): a dict of t (m,) and q, qd, qdd, qddd (m, axes).
     #[pyo3(signature = (rate=None, *, times=None))]
     fn sample<'py>(&self, py: Python<'py>, rate: Option<f64>, times: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyDict>> {
-        let times = match (rate, times) {
-            (None, Some(times)) => values("times", times)?,
-            (Some(rate), None) if rate > 0.0 && rate * self.inner.duration < 1e9 => {
-                let whole = (self.inner.duration * rate * (1.0 - 1e-12)).floor();
-                let mut all: Vec<f64> = (0..).map(|i| f64::from(i) / rate).take_while(|t| t * rate <= whole).collect();
-                if self.inner.duration > 0.0 {
-                    all.push(self.inner.duration);
-                }
-                all
+        let duration = self.inner.duration;
+        let times = if let Some(times) = times {
+            values("times", times)?
+        } else {
+            let rate = rate.unwrap_or(500.0);
+            if !(rate.is_finite() && rate > 0.0 && rate * duration <= 1e7) {
+                return Err(PlanError::bad("rate", rate, "a positive rate in Hz that gives at most 1e7 rows")).or_py(py);
             }
-            _ => {
-                return Err(PlanError::bad("rate", format!("{rate:?}"), "a positive rate of at most 1e9 samples in all, or times instead")).or_py(py);
-            }
+            let count = (duration * rate * (1.0 - 1e-12)).ceil() as usize;
+            (0..count).map(|i| i as f64 / rate).chain([duration]).collect()
         };
+        if let Some(t) = times.iter().find(|t| t.is_nan()) {
+            return Err(PlanError::bad("times", t, "times in s")).or_py(py);
+        }
         samples(py, &self.inner, &times)
     }
     fn __repr__(&self) -> String {

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from guideway.arm.paths import JointPath, all_branches, arm_for, joint_path, load_way_points
     from guideway.arm.rows import torque_coefficients, torque_rows
     from guideway.arm.shapes import Scene, load_scene
+    from guideway.arm.skeleton import chain, surfaces
     from guideway.arm.timing import time
 
 _HOME = {
@@ -42,6 +43,7 @@ _HOME = {
     **dict.fromkeys(("JointPath", "all_branches", "arm_for", "joint_path", "load_way_points"), "paths"),
     **dict.fromkeys(("torque_coefficients", "torque_rows"), "rows"),
     **dict.fromkeys(("Scene", "load_scene"), "shapes"),
+    **dict.fromkeys(("chain", "surfaces"), "skeleton"),
     "time": "timing",
 }
 
@@ -64,6 +66,7 @@ __all__ = [
     "arm_for",
     "branches",
     "certify",
+    "chain",
     "csv_text",
     "follow",
     "joint_path",
@@ -77,6 +80,7 @@ __all__ = [
     "ros_yaml",
     "solve",
     "star",
+    "surfaces",
     "time",
     "torque_coefficients",
     "torque_rows",

@@ -11,6 +11,7 @@ from guideway import _core
 from guideway.arm.limits import JointLimits
 from guideway.arm.motion import RATE, ArmMotion, pieces_of
 from guideway.arm.paths import JointPath
+from guideway.arm.skeleton import chain
 from guideway.errors import BadParameter
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ def robot_record(motion: ArmMotion) -> dict[str, Any] | None:
         "payload": {"mass": arm.payload.mass, "at": list(arm.payload.at), "inertia": arm.payload.matrix().tolist()},
         "friction": {"viscous": viscous.tolist(), "coulomb": coulomb.tolist()},
         "range": {"lower": arm.lower.tolist(), "upper": arm.upper.tolist()},
+        "chain": chain(arm),
     }
 
 

@@ -19,6 +19,7 @@ from .profile import plan_profile, run_profile
 from .scenery import Scenery, Snapshot, picture
 
 SCRIPTS = (
+    "kit.js",
     "motion.js",
     "raster.js",
     "layers.js",

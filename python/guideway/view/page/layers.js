@@ -258,14 +258,6 @@ function drawShapes(pen, view, shapes, colour) {
   }
 }
 
-/** A round step of 1, 2 or 5 times a power of ten that is at least `least`. */
-function roundStep(least) {
-  const power = 10 ** Math.floor(Math.log10(least));
-  return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= least * (1 - 1e-9)) || 10 * power;
-}
-
-const metres = (value, step) => value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "\u2212");
-
 /** Rulers in metres along the left and lower edge, an optional grid, and a scale bar. */
 function drawAxes(pen, view, colour, grid) {
   const step = roundStep(72 / view.scale);

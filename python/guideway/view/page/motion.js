@@ -1,35 +1,5 @@
 // Motions: a path by arc length, a trajectory of pieces, a drive as it was measured. Units: m, s, rad.
 
-const list = (value) => (Array.isArray(value) ? value : []);
-const record = (value) => (value && typeof value === "object" && !Array.isArray(value) ? value : {});
-const finite = (value) => typeof value === "number" && Number.isFinite(value);
-const number = (value, otherwise = 0) => (finite(value) ? value : otherwise);
-const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
-const wrap = (angle) => angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-const pointsOf = (rows) => list(rows).filter((row) => Array.isArray(row) && finite(row[0]) && finite(row[1]));
-
-/** Largest index i with array[i] <= value (0 if none). */
-function floorIndex(array, value, count = array.length) {
-  let low = 0;
-  let high = count - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (array[middle] <= value) low = middle;
-    else high = middle - 1;
-  }
-  return low;
-}
-
-/** Value at x of a curve given by two arrays, linear in between. */
-function lookUp(xs, ys, x) {
-  const n = xs.length;
-  if (!n) return null;
-  const i = Math.min(floorIndex(xs, x), Math.max(0, n - 2));
-  if (n === 1) return ys[0];
-  const width = xs[i + 1] - xs[i];
-  return width > 0 ? ys[i] + (ys[i + 1] - ys[i]) * clamp((x - xs[i]) / width, 0, 1) : ys[i + 1];
-}
-
 /** A polyline with its arc length; points that repeat are dropped. */
 function makeLine(rows) {
   const kept = [];

@@ -3,14 +3,6 @@
 const LEFT = 40;
 const RIGHT = 10;
 
-/** Round ticks that cover low..high, at most about `count`. */
-function ticksOf(low, high, count) {
-  const step = roundStep((high - low) / Math.max(1, count));
-  const ticks = [];
-  for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + step * 1e-6; v += step) ticks.push(Math.abs(v) < step * 1e-6 ? 0 : v);
-  return { step, ticks };
-}
-
 /** Range of the curves and lines of a strip, with zero where it belongs and a little air. */
 function rangeOf(strip, end) {
   let [low, high] = strip.signed ? [0, 0] : [0, -Infinity];

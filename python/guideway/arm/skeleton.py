@@ -147,7 +147,7 @@ def _swept(outline: Floats, heights: Floats, widths: Floats) -> Floats:
     after = np.roll(rings, -1, axis=1)
     low, high, low_after, high_after = rings[:-1], rings[1:], after[:-1], after[1:]
     walls = [np.stack([low, low_after, high_after], axis=2), np.stack([low, high_after, high], axis=2)]
-    middles = [np.broadcast_to([0.0, 0.0, z], outline.shape[:1] + (3,)) for z in heights[[0, -1]]]
+    middles = [np.broadcast_to([0.0, 0.0, z], (len(outline), 3)) for z in heights[[0, -1]]]
     lids = [np.stack([middles[0], after[0], rings[0]], axis=1), np.stack([middles[1], rings[-1], after[-1]], axis=1)]
     return np.concatenate([*(wall.reshape(-1, 3, 3) for wall in walls), *lids])
 

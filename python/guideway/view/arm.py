@@ -18,7 +18,18 @@ from .arm_course import course, phase, stretches
 from .geometry import listed
 from .report import clean, embed, fill
 
-SCRIPTS = ("kit.js", "arm-chain.js", "arm-mesh.js", "arm-gl.js", "arm-scene.js", "arm-phase.js", "arm-curves.js", "arm-trials.js", "arm-panel.js", "arm.js")
+SCRIPTS = (
+    "kit.js",
+    "arm-chain.js",
+    "arm-mesh.js",
+    "arm-gl.js",
+    "arm-scene.js",
+    "arm-phase.js",
+    "arm-curves.js",
+    "arm-trials.js",
+    "arm-panel.js",
+    "arm.js",
+)
 
 ROUNDED = 6
 """Decimals of long tables."""
@@ -77,7 +88,9 @@ def bundle(records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def motion_of(record: Mapping[str, Any], among: int = 1) -> dict[str, Any]:
     """What the page needs of one record; ``among`` how many there are, for the share of samples of each."""
     found = course(record, among)
-    kept = {key: record.get(key) for key in ("joints", "duration", "limits", "certificate", "learner", "plant", "best", "oracle_duration", "lower_bound")}
+    kept = {
+        key: record.get(key) for key in ("joints", "duration", "limits", "certificate", "learner", "plant", "best", "oracle_duration", "lower_bound")
+    }
     robot, path = mapped(record.get("robot")), mapped(record.get("path"))
     shape = phase(record, found)
     return clean(kept) | {

@@ -19,11 +19,13 @@ MOST_NUMBERS = 90_000
 """Numbers over time of all motions in a report."""
 MOST_POINTS = 1000
 """Points of the phase plane of one motion."""
+REACHED = 0.995
+"""Share of a limit from which on it counts as reached."""
 
 
 def course(record: Mapping[str, Any], among: int = 1) -> dict[str, Any]:
     """Samples over time: ``t`` (s), ``s`` (rad), ``v``, ``a`` of the path, ``q, qd, qdd, qddd`` (a list per joint), ``tau`` (N m) and whether it is
-    ``measured``; ``jerky`` where the acceleration may step, so that jerk says nothing. Evaluated from the pieces of the record where it has them, else
+    ``measured``; ``jerky`` where the acceleration may step, so that jerk says nothing. From the pieces of the record where it has them, else
     read from its table."""
     joints = len(listed(record.get("joints")))
     count = max(60, min(MOST_SAMPLES, MOST_NUMBERS // max(1, 5 * joints * among)))
@@ -51,7 +53,12 @@ def _evaluated(record: Mapping[str, Any], count: int) -> dict[str, Any] | None:
         sample = motion.sample(times=np.linspace(0.0, motion.duration, count))
     except (GuidewayError, AttributeError, KeyError, TypeError, ValueError):
         return None
-    found: dict[str, Any] = {"t": sample["t"].tolist(), "s": sample["s"].tolist(), "v": sample["speed"].tolist(), "a": sample["acceleration"].tolist()}
+    found: dict[str, Any] = {
+        "t": sample["t"].tolist(),
+        "s": sample["s"].tolist(),
+        "v": sample["speed"].tolist(),
+        "a": sample["acceleration"].tolist(),
+    }
     return found | {key: sample[key].T.tolist() for key in ("q", "qd", "qdd", "qddd")}
 
 
@@ -107,12 +114,11 @@ def holed(value: Any, count: int) -> Floats:
 def phase(record: Mapping[str, Any], samples: Mapping[str, Any]) -> dict[str, Any]:
     """The phase plane: ``s`` (rad), path speed ``v``, the curves that no motion exceeds: ``first``, of joint speeds alone, and ``second``, of all
     limits (rad/s; null: unlimited). ``kinematic`` where the second one is of joint speeds and accelerations only."""
-    s, x, mvc, names = grid_of(record)
+    s, x, mvc, _ = grid_of(record)
     if len(s) < 2 or not np.isfinite(x).any():
         return {"s": list(samples.get("s") or []), "v": list(samples.get("v") or [])}
     step = max(1, -(-len(s) // MOST_POINTS))
-    edge = [i for i in range(len(s)) if i and names[i] != names[i - 1]]
-    kept = np.unique([*range(0, len(s), step), *edge[:MOST_POINTS], len(s) - 1])
+    kept = np.unique([*range(0, len(s), step), len(s) - 1])
     first, other = _kinematic(record, s[kept])
     told = np.isfinite(mvc).any()
     second = mvc[kept] if told else other
@@ -156,20 +162,51 @@ def highest(one: Floats, two: Floats, faster: Floats, slower: Floats) -> Floats:
 
 
 def stretches(record: Mapping[str, Any], samples: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The stretches of the path with the same active constraint: ``from`` and ``to`` (rad), ``begins`` and ``ends`` (s), its ``name``, the ``kind`` of
-    limit and the ``joint`` (number from 0), where it is that of a joint."""
+    """Stretches of the path with the same active constraint: ``from`` and ``to`` (rad), ``begins`` and ``ends`` (s), its ``name``, the ``kind`` of
+    limit and the ``joint`` (number from 0), where it is that of a joint.
+
+    Where several limits are reached at once the solver may name each in turn; a stretch goes on as long as its own limit is reached.
+    """
     s, _, _, names = grid_of(record)
     if len(s) < 2 or not any(names):
         return []
     joints = [str(name) for name in listed(record.get("joints"))]
-    starts = [0, *(i for i in range(1, len(s) - 1) if names[i] != names[i - 1])]
     t, at = np.asarray(samples.get("t") or [], float), np.asarray(samples.get("s") or [], float)
+    timed = len(t) > 1 and len(at) == len(t)
+    names = _steady(names, _shares(record, samples, joints, np.interp(s, at, t)) if timed else {})
+    starts = [0, *(i for i in range(1, len(s) - 1) if names[i] != names[i - 1])]
     found: list[dict[str, Any]] = []
     for i, after in zip(starts, [*starts[1:], len(s) - 1], strict=True):
         row: dict[str, Any] = {"from": float(s[i]), "to": float(s[after]), "name": names[i], **named(names[i], joints)}
-        if len(t) > 1 and len(at) == len(t):
+        if timed:
             row["begins"], row["ends"] = (float(value) for value in np.interp([s[i], s[after]], at, t))
         found.append(row)
+    return found
+
+
+def _steady(names: Sequence[str | None], reached: Mapping[str, NDArray[np.bool_]]) -> list[str | None]:
+    """Names of active constraints, each kept as long as its own limit is ``reached``."""
+    found = list(names)
+    for i in range(1, len(found)):
+        before = found[i - 1]
+        if before is not None and before in reached and reached[before][i]:
+            found[i] = before
+    return found
+
+
+def _shares(record: Mapping[str, Any], samples: Mapping[str, Any], joints: Sequence[str], moments: Floats) -> dict[str, NDArray[np.bool_]]:
+    """By name of an active constraint, whether its limit is reached at each of the moments (s)."""
+    limits = record.get("limits")
+    t = np.asarray(samples["t"], float)
+    found: dict[str, NDArray[np.bool_]] = {}
+    for text in {name for name in grid_of(record)[3] if name is not None}:
+        kind, joint = named(text, joints).values()
+        key = {"speed": "qd", "acceleration": "qdd", "deceleration": "qdd", "torque": "tau", "jerk": "qddd"}.get(kind or "")
+        most = vector(np.atleast_1d((limits if isinstance(limits, Mapping) else {}).get(kind) or []).tolist())
+        if key is None or joint is None or not listed(samples.get(key)) or not len(most):
+            continue
+        share = np.abs(np.asarray(samples[key][joint], float)) / most[min(joint, len(most) - 1)]
+        found[text] = np.interp(moments, t, share) > REACHED
     return found
 
 

@@ -15,7 +15,12 @@ from .geometry import listed
 
 JOINTS = ("#0072b2", "#c8500a", "#00805c", "#a04a82", "#8f6a00", "#5a52b5", "#2788a3", "#5b6770")
 """Colours of joints, as in the page."""
-QUANTITIES = (("qd", "speed", "speed", "rad/s"), ("qdd", "acceleration", "acceleration", "rad/s$^2$"), ("qddd", "jerk", "jerk", "rad/s$^3$"), ("tau", "torque", "torque", "N m"))
+QUANTITIES = (
+    ("qd", "speed", "speed", "rad/s"),
+    ("qdd", "acceleration", "acceleration", "rad/s$^2$"),
+    ("qddd", "jerk", "jerk", "rad/s$^3$"),
+    ("tau", "torque", "torque", "N m"),
+)
 
 
 def arm_figure(record: Mapping[str, Any], path: str | os.PathLike[str]) -> list[Path]:
@@ -29,11 +34,14 @@ def arm_figure(record: Mapping[str, Any], path: str | os.PathLike[str]) -> list[
     if len(samples["t"]) < 2:
         raise ValueError("this record holds no motion of an arm")
     shown = [row for row in QUANTITIES if listed(samples.get(row[0])) and not (row[0] == "qddd" and samples["jerky"])]
-    sheet = figure_sheet((7.2, 2.7 + 1.75 * -(-len(shown) // 2)))
-    grid = sheet.add_gridspec(1 + -(-len(shown) // 2), 2, height_ratios=(1.5, *(1.0 for _ in range(-(-len(shown) // 2)))))
+    lines = -(-len(shown) // 2)
+    sheet = figure_sheet((7.2, 3.1 + 1.75 * lines))
+    grid = sheet.add_gridspec(1 + lines, 2, height_ratios=(1.6, *(1.0 for _ in range(lines))))
     draw_phase(sheet.add_subplot(grid[0, :]), record, samples)
     for k, row in enumerate(shown):
-        draw_joints(sheet.add_subplot(grid[1 + k // 2, k % 2]), record, samples, row)
+        wide = k == len(shown) - 1 and k % 2 == 0
+        draw_joints(sheet.add_subplot(grid[1 + k // 2, :] if wide else grid[1 + k // 2, k % 2]), record, samples, row)
+    sheet.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=7)
     return save(sheet, Path(path))
 
 
@@ -63,9 +71,8 @@ def draw_phase(axes: Any, record: Mapping[str, Any], samples: Mapping[str, Any])
         seen.add(joint)
     if oracle := squared(record.get("oracle")):
         axes.plot(*oracle, color="#17212b", linestyle=(0, (5, 3)), linewidth=1.2, label="true optimum")
-    axes.set(xlim=(s[0], s[-1]), ylim=(0, top), xlabel="along the path in rad", ylabel="path speed in rad/s")
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=7, ncols=2, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes.set(xlim=(s[0], s[-1]), ylim=(0, top))
+    dressed(axes, "along the path in rad", "path speed in rad/s")
 
 
 def draw_joints(axes: Any, record: Mapping[str, Any], samples: Mapping[str, Any], row: tuple[str, str, str, str]) -> None:
@@ -80,9 +87,14 @@ def draw_joints(axes: Any, record: Mapping[str, Any], samples: Mapping[str, Any]
     if shares:
         for side in (-100, 100):
             axes.axhline(side, color="#b3261e", linestyle=(0, (3, 3)), linewidth=0.8)
-    axes.set(xlim=(0, samples["t"][-1]), xlabel="time in s", ylabel=f"{title} in % of limit" if shares else f"{title} in {unit}")
-    axes.yaxis.label.set_size(8)
-    axes.xaxis.label.set_size(8)
+    axes.set_xlim(0, samples["t"][-1])
+    dressed(axes, "time in s", f"{title} in % of limit" if shares else f"{title} in {unit}")
+
+
+def dressed(axes: Any, across: str, up: str) -> None:
+    """Names of the axes, small, and no frame."""
+    axes.set_xlabel(across, fontsize=8)
+    axes.set_ylabel(up, fontsize=8)
     axes.tick_params(labelsize=7)
     axes.spines[["top", "right"]].set_visible(False)
 

@@ -113,7 +113,7 @@ function makeCurves(host, link) {
     const [xs, ys] = [ticksOf(0, end, (width - left - right) / 70), strip.shares ? { step: 100, ticks: [-100, 0, 100] } : ticksOf(low, high, 4)];
     const svg = drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": `${strip.spec.title} over time` });
     const frame = frameOf({ width, height, left, right, top, bottom, x, y, xs: lastOne ? xs : { ...xs, ticks: [] }, ys });
-    svg.append(...frame, ...(lastOne ? [label(left - 6, height - 5, "s", { "text-anchor": "end", class: "name" })] : xs.ticks.map((v) => stroked(`M${Math.round(x(v)) + 0.5} ${top}V${height - bottom}`, "rule"))));
+    svg.append(...frame, ...(lastOne ? [label(left - 16, height - 5, "s", { "text-anchor": "end", class: "name" })] : xs.ticks.map((v) => stroked(`M${Math.round(x(v)) + 0.5} ${top}V${height - bottom}`, "rule"))));
     for (const row of limits) {
       const side = row[0] > 0 ? top : height - bottom;
       const shape = t.map((time, i) => `${i ? "L" : "M"}${x(time).toFixed(1)} ${clamp(y(row[i]), top, height - bottom).toFixed(1)}`).join("");

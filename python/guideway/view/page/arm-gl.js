@@ -33,7 +33,7 @@ function glTimes(a, b) {
 
 /** A renderer on a canvas; null where the browser has none. */
 function makeRenderer(canvas) {
-  const gl = canvas.getContext("webgl", { antialias: true, alpha: true, premultipliedAlpha: false, stencil: true, preserveDrawingBuffer: true });
+  const gl = canvas.getContext("webgl", { antialias: true, alpha: true, premultipliedAlpha: true, stencil: true, preserveDrawingBuffer: true });
   if (!gl) return null;
   const program = (vertex, pixel) => {
     const made = gl.createProgram();

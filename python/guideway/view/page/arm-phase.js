@@ -13,6 +13,10 @@ const joined = (xs, ys, x, y) => {
   return text;
 };
 
+const push2 = (xs, ys, x, y) => {
+  xs.push(x);
+  ys.push(y);
+};
 const label = (x, y, text, attributes = {}) => drawing("text", { x, y, ...attributes }, text);
 const stroked = (d, kind, more = {}) => drawing("path", { d, class: kind, ...more });
 const jointInk = (joint) => (joint === null || joint === undefined ? "var(--soft)" : `var(--joint-${joint % 8})`);
@@ -97,8 +101,11 @@ function makePhase(host, link) {
     const { phase, stretches } = motion;
     if (!stretches.length) return [stroked(joined(phase.s, list(phase.v), x, y), "line bold", { stroke: "var(--accent)" })];
     return stretches.map((one) => {
-      const kept = phase.s.map((s, i) => i).filter((i) => phase.s[i] >= one.from - 1e-6 && phase.s[i] <= one.to + 1e-6);
-      return stroked(joined(kept.map((i) => phase.s[i]), kept.map((i) => phase.v[i]), x, y), "line bold", { stroke: jointInk(one.joint) });
+      const within = phase.s.map((s, i) => i).filter((i) => phase.s[i] > one.from && phase.s[i] < one.to);
+      const [s, v] = [[one.from], [lookUp(phase.s, phase.v, one.from)]];
+      within.forEach((i) => push2(s, v, phase.s[i], phase.v[i]));
+      push2(s, v, one.to, lookUp(phase.s, phase.v, one.to));
+      return stroked(joined(s, v, x, y), "line bold", { stroke: jointInk(one.joint) });
     });
   };
 

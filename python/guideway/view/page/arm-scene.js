@@ -69,15 +69,18 @@ function makeCamera() {
 function makeScene(host, solid, over, scene, link) {
   const [renderer, camera] = [makeRenderer(solid), makeCamera()];
   const pen = over.getContext("2d");
-  let [motion, dirty, made, touched] = [null, false, null, false];
+  let [motion, dirty, made, touched, shape] = [null, false, null, false, []];
 
   const resize = () => {
     const ratio = clamp(window.devicePixelRatio || 1, 1, 2);
-    [camera.width, camera.height] = [Math.max(1, host.clientWidth), Math.max(1, host.clientHeight)];
+    const size = [Math.max(1, host.clientWidth), Math.max(1, host.clientHeight), ratio];
+    if (size.every((value, i) => value === shape[i])) return;
+    shape = size;
+    [camera.width, camera.height] = size;
     for (const canvas of [solid, over]) [canvas.width, canvas.height] = [Math.round(camera.width * ratio), Math.round(camera.height * ratio)];
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     if (!touched) home();
-    ask();
+    draw(); // at once: a canvas that changes its size is empty
   };
 
   const pointsOfArm = () => motion.hull;
@@ -91,6 +94,7 @@ function makeScene(host, solid, over, scene, link) {
     [camera.yaw, camera.pitch] = next ? [next.yaw, 0.4] : [-0.9, 0.4];
     restyle();
     resize();
+    home();
     draw();
   };
 
@@ -161,13 +165,13 @@ function makeScene(host, solid, over, scene, link) {
     const [right, , back] = camera.axes;
     const [slopeX, slopeY] = [0, 1].map((c) => -0.28 * right[c] + 0.22 * back[c]); // the light is behind the viewer's left shoulder
     const flat = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, -slopeX, -slopeY, 0, 0, slopeX * low, slopeY * low, low, 1]);
-    renderer.shadow(made.meshes, poses, inkOf("--shade", document.documentElement.dataset.theme === "dark" ? 0.4 : 0.13), flat);
+    renderer.shadow(made.meshes, poses, inkOf("--shade", document.documentElement.dataset.theme === "dark" ? 0.5 : 0.16), flat);
     renderer.stroke(made.path, 2.3 * scale, 0.3, true);
     renderer.stroke(made.path, 2.3 * scale);
     renderer.bodies(made.meshes, poses, colourOf(now.t));
     const body = inkOf("--body");
-    if (now.ghosts) for (const ghost of motion.ghosts) renderer.bodies(made.meshes, ghost, () => body, 0.17);
-    if (now.ghost !== null) renderer.bodies(made.meshes, motion.posesAt(now.ghost), () => inkOf("--accent"), 0.3);
+    if (now.ghosts) for (const ghost of motion.ghosts) renderer.bodies(made.meshes, ghost, () => body, 0.3);
+    if (now.ghost !== null) renderer.bodies(made.meshes, motion.posesAt(now.ghost), () => inkOf("--accent"), 0.4);
   };
 
   /** Without WebGL: the chain as thick lines, the far ones first. */

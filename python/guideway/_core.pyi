@@ -186,6 +186,7 @@ def topp_kernel(
     *,
     ends: tuple[float, float] = ...,
 ) -> _Floats: ...
+
 @final
 class Solution:
     """What a planner returned."""

@@ -2,16 +2,18 @@
 
 The masks are read as Nav2's costmap filters read them (https://docs.nav2.org, keepout filter and speed filter). A keep-out mask forbids where its
 value is 100. A speed mask allows ``base + multiplier * value`` percent of the top speed where its value is above 0; Nav2's own files have base 100
-and multiplier -1, so that darker is slower. Values that are unknown say nothing.
+and multiplier -1, so that darker is slower. Values that are unknown say nothing, and a limit that is not above 0 or not below 100 percent is none:
+black walls in a mask of speeds do not stop a robot.
 """
 
 from __future__ import annotations
 
+import math
 import os
 from typing import TYPE_CHECKING, Any
 
 from guideway._core import SpeedMap, World
-from guideway.errors import BadFile, BadParameter
+from guideway.errors import BadParameter
 from guideway.io.masks import read_mask
 
 if TYPE_CHECKING:
@@ -20,24 +22,26 @@ if TYPE_CHECKING:
 
 MAX_RATIO = 64
 """A mask's cell may be so many times as long as one of the map."""
+SLOWEST = 1e-3
+"""Smallest limit, m/s."""
 
 
-def speed_map(path: str | os.PathLike[str], speed: float, *, base: float = 100.0, multiplier: float = -1.0) -> SpeedMap:
+def speed_map(path: str | os.PathLike[str], speed: float, *, base: float = 100.0, multiplier: float = -1.0, absolute: bool = False) -> SpeedMap:
     """The speeds that a mask allows a robot whose top speed is ``speed`` (m/s).
 
-    Raises :class:`BadFile` where a value stands for no speed at all: that is what a keep-out mask says.
+    ``base + multiplier * value`` is in percent of ``speed``, or with ``absolute`` (Nav2's filter type 2) in m/s. Raises :class:`BadFile` for a file that
+    is no mask, :class:`BadParameter` for a speed, base or multiplier that is no finite number.
     """
     import numpy as np
 
+    if not (math.isfinite(speed) and speed > 0):
+        raise BadParameter(f"speed {speed!r} is out of range: it must be a finite number above 0, m/s")
+    if not (math.isfinite(base) and math.isfinite(multiplier)):
+        raise BadParameter(f"base {base!r} and multiplier {multiplier!r} must be finite numbers")
     values, header, _ = read_mask(path)
-    shares = (base + multiplier * values.astype(float)) / 100.0
-    limited = values > 0
-    if (shares[limited] <= 0.0).any():
-        where = tuple(int(i) for i in np.argwhere(limited & (shares <= 0.0))[0])
-        what = f"value {values[where]} in row {where[0]}, column {where[1]} allows {100 * shares[where]:g} percent of the speed"
-        raise BadFile(os.fspath(path), what, "more than 0 percent", "Forbid areas by a keep-out mask")
-    limits = np.where(limited, np.minimum(shares, 1.0) * speed, np.inf)
-    return SpeedMap(limits, header.resolution, header.origin, source=os.fspath(path))
+    allowed = (base + multiplier * values.astype(float)) * (1.0 if absolute else speed / 100.0)
+    limited = (values > 0) & (allowed > 0.0) & (allowed < speed)
+    return SpeedMap(np.where(limited, np.maximum(allowed, SLOWEST), np.inf), header.resolution, header.origin, source=os.fspath(path))
 
 
 def with_keep_out(world: World, mask: str | os.PathLike[str] | NDArray[np.bool_]) -> World:

@@ -108,6 +108,8 @@ BAD = [
     (["drive", "scene.toml", "--movers", "nowhere.toml"], "nowhere.toml"),
     (["drive", "scene.toml", "--time-limit", "-1"], "--time-limit"),
     (["drive", "scene.toml", "--sense", "sonar"], "sonar"),
+    (["drive", "scene.toml", "--worlds", "worlds.json"], "--worlds"),
+    (["drive", "scene.toml", "--set", "jerk_limited=perhaps"], "jerk_limited"),
     (["maps", "info", "nowhere.map"], "nowhere.map"),
     (["maps", "convert", "a.map", "a.doc"], "a.doc"),
     (["maps", "view", "a.map", "--out", "a.jpeg"], ".png"),

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 from pathlib import Path
 
 import jsonschema
@@ -11,7 +12,7 @@ from PIL import Image
 
 import guideway as gw
 from guideway.cli import main
-from guideway.errors import BadFile, BadParameter
+from guideway.errors import BadParameter
 
 
 def mask(folder: Path, name: str, grey: np.ndarray, resolution: float, origin=(0, 0, 0), mode="trinary") -> Path:
@@ -60,9 +61,15 @@ def test_speeds_are_percent_of_the_top_speed_as_nav2_has_them(tmp_path):
     assert abs(speeds.at(3.0, 1.0) - 1.0) < 0.021
     assert speeds.at(-1, -1) == np.inf
     assert abs(gw.SpeedMap.load(path, 2.0, base=0.0, multiplier=1.0).at(3.0, 1.0) - 1.0) < 0.021
-    grey[0, 0] = 0  # value 100: 0 percent
-    with pytest.raises(BadFile, match="0 percent"):
-        gw.SpeedMap.load(mask(tmp_path, "stop", grey, 0.2, mode="scale"), 2.0)
+    assert abs(gw.SpeedMap.load(path, 2.0, base=0.0, multiplier=0.01, absolute=True).at(3.0, 1.0) - 0.5) < 0.011
+    grey[0, 0] = 0  # value 100: 0 percent, which is Nav2's word for no limit
+    assert gw.SpeedMap.load(mask(tmp_path, "wall", grey, 0.2, mode="scale"), 2.0).at(0.1, 3.9) == np.inf
+    assert gw.SpeedMap.load(path, 2.0, base=0.0, multiplier=5.0).at(3.0, 1.0) == np.inf, "more than 100 percent"
+    for options in ({"base": math.nan}, {"multiplier": math.inf}):
+        with pytest.raises(BadParameter, match="finite"):
+            gw.SpeedMap.load(path, 2.0, **options)
+    with pytest.raises(BadParameter, match="speed"):
+        gw.SpeedMap.load(path, math.nan)
     for bad in (np.zeros((2, 2)), np.full((2, 2), np.nan), np.ones(3)):
         with pytest.raises(BadParameter):
             gw.SpeedMap(bad)
@@ -146,3 +153,72 @@ def test_a_part_of_a_world_changes():
     for row, column in ((45, 0), (0, 60)):
         with pytest.raises(BadParameter):
             world.updated(part, row=row, column=column)
+
+
+@pytest.mark.parametrize(("mode", "value"), [("trinary", 0), ("scale", 50), ("raw", 50)])
+def test_modes_of_a_mask_are_those_of_the_map_server(tmp_path, mode, value):
+    grey = np.full((4, 4), 50 if mode == "raw" else 127)
+    grey[0] = 0 if mode == "raw" else 255
+    path = mask(tmp_path, "slow", grey, 1.0, mode=mode)
+    if mode == "trinary":  # grey is unknown, or free, but never a share
+        assert gw.SpeedMap.load(path, 2.0).at(1.5, 0.5) == np.inf
+    else:
+        assert abs(gw.SpeedMap.load(path, 2.0).at(1.5, 0.5) - 2.0 * (100 - value) / 100) < 0.021
+    assert gw.SpeedMap.load(path, 2.0).at(1.5, 3.5) == np.inf
+
+
+@pytest.mark.parametrize("name", ["depot", "warehouse"])
+def test_masks_of_nav2_are_kept_to(data, name):
+    folder = data / "ros_maps/nav2"
+    world = gw.World.load(folder / f"{name}.yaml")
+    kept = world.with_keep_out(folder / f"{name}_keepout.yaml")
+    free = world.occupancy() == 0
+    more = (kept.occupancy() != 0) & free
+    grey = np.asarray(Image.open(folder / f"{name}_keepout.pgm"))
+    assert np.array_equal(more, (grey == 0) & free)
+    assert more.sum() > 1000
+    speeds = gw.SpeedMap.load(folder / f"{name}_speed.yaml", 1.0)
+    grey = np.asarray(Image.open(folder / f"{name}_speed.pgm"))
+    shade = 127 if name == "depot" else 204
+    row, column = (int(i) for i in np.argwhere(grey == shade)[len(np.argwhere(grey == shade)) // 2])
+    x, y = world.cell_centers([[column, row]])[0]
+    assert speeds.at(x, y) == pytest.approx(1 - round(100 * (255 - shade) / 255) / 100, abs=0.011)
+    row, column = (int(i) for i in np.argwhere(grey == 254)[0])
+    assert speeds.at(*world.cell_centers([[column, row]])[0]) == np.inf
+
+
+def test_a_motion_keeps_to_a_speed_mask_and_to_movers_at_once(tmp_path):
+    grey = np.full((60, 100), 255)
+    grey[:, 40:60] = 76  # 30 percent from x = 4 m to 6 m
+    speeds = gw.SpeedMap.load(mask(tmp_path, "slow", grey, 0.1, mode="scale"), 1.0)
+    crossing = {"shape": {"disc": 0.3}, "track": [[0.0, 5.0, 0.5], [14.0, 5.0, 5.5]], "loop": "once", "phase": 0.0}
+    query = gw.Query(gw.World(bounds=(0, 0, 10, 6), movers=[crossing]), (1, 3), (9, 3), footprint=gw.Disc(0.25), clearance=0.1)
+    path, limits = gw.plan(query).path, gw.Limits(1.0, 1.0, jerk=4.0)
+    motion = gw.time(path, limits, among=query, speed_map=speeds)
+    certificate = gw.certify(path, query, motion, speed_map=speeds)
+    assert certificate["ok"]
+    checks = {check["name"]: check["ok"] for check in certificate["checks"]}
+    assert checks["speed zones"]
+    for t in np.linspace(0, motion.duration, 2000):
+        state = motion.at(t)
+        x, y = state["pose"][:2]
+        assert state["speed"] <= speeds.at(x, y) + 1e-6
+        share = min(t / 14.0, 1.0)
+        assert math.hypot(x - 5.0, y - 0.5 - 5.0 * share) > 0.3 + 0.25 + 0.1 - 1e-6
+
+
+def test_a_motion_of_aide_is_timed_anew_under_a_speed_mask(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    grey = np.full((60, 100), 255)
+    grey[:, 30:50] = 76
+    mask(tmp_path, "slow", grey, 0.1, mode="scale")
+    words = ["plan", "scene:w0", "--planner", "aide", "--evaluations", "2000", "--speed-mask", "slow.yaml", "--out", "plan.json"]
+    assert main(words) == 0
+    plan = json.loads((tmp_path / "plan.json").read_text())
+    checks = {check["name"]: check for check in plan["certificate"]["checks"]}
+    assert plan["certificate"]["ok"]
+    assert checks["speed zones"]["ok"]
+    assert main([*words[:-1], "free.json"][:6] + ["--out", "free.json"]) == 0
+    free = json.loads((tmp_path / "free.json").read_text())
+    assert "speed zones" not in {check["name"] for check in free["certificate"]["checks"]}
+    assert plan["trajectory"]["duration"] > free["trajectory"]["duration"] + 1.0

@@ -97,6 +97,8 @@ def _named(arguments: argparse.Namespace) -> str:
     if len(given) != 1:
         raise BadParameter("guideway drive needs one of PLAN.json, SCENE.toml, FILE#N, --barn N and --dynabarn N. See 'guideway drive --help'")
     if given == ["plan"]:
+        if arguments.worlds is not None:
+            raise BadParameter("--worlds names the file of --barn N or --dynabarn N: add one of them, or write FILE#N")
         return arguments.plan
     number = getattr(arguments, given[0])
     options.count(f"--{given[0]}", number)

@@ -2,19 +2,22 @@
 
 use super::navigator::Navigator;
 use super::pace::Pace;
-use super::{Command, Controller, Course, Decision, Event, Eyes, Guide, Job, Observation, OwnReplanner, Reason, Robot, Scan, Sense, Sketch};
+use super::{Command, Controller, Course, Decision, Event, Eyes, Guide, Job, Observation, OwnReplanner, Reason, Robot, Scan, Sense, Sketch, Track};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::query::Query;
 use crate::timing::Trajectory;
 use crate::world::SpeedMap;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Braking for a slower zone begins so much before it has to, s.
 const AHEAD: f64 = 0.2;
 /// Older looks at the surroundings than this are not driven on, s.
 const BLIND: f64 = 0.5;
+/// What a lidar shows counts as moving from this speed on, m/s.
+const LIVELY: f64 = 0.15;
 
 /// What comes out of a control step.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +44,8 @@ pub struct Pilot<'a> {
     /// Why the robot was to stop in the last step.
     stopping: Option<String>,
     blind: bool,
+    /// Movers that have been named; none before the first step.
+    named: Option<HashSet<usize>>,
     /// What is added to the time of the caller, and the last time, s.
     clock: [f64; 2],
     pace: Pace,
@@ -81,6 +86,7 @@ impl<'a> Pilot<'a> {
             navigator,
             stopping: None,
             blind: false,
+            named: None,
             clock: [0.0, f64::NEG_INFINITY],
             pace: Pace::new(robot, trajectory.limits.jerk),
             speed_map: None,
@@ -160,6 +166,7 @@ impl<'a> Pilot<'a> {
             eyes.look(seen, scan);
         }
         seen.time = self.steady(seen.time);
+        self.name(seen);
         let mut replanned = false;
         if self.navigator.before(seen, ctx) {
             self.follow();
@@ -176,6 +183,23 @@ impl<'a> Pilot<'a> {
         let (command, stop, stopped) = self.obey(decision, seen.time);
         let (events, plan_seconds) = (std::mem::take(&mut self.navigator.events), std::mem::take(&mut self.navigator.seconds));
         Step { command, stop, stopped, events, replanned, plan_seconds }
+    }
+
+    /// Says which movers have come into sight since the start: by the truth any, by scans those that are seen to move.
+    fn name(&mut self, seen: &Observation) {
+        let all = self.eyes.is_none();
+        let moves = |t: &&Track| all || t.velocity[0].hypot(t.velocity[1]) > LIVELY;
+        let Some(named) = &mut self.named else {
+            self.named = Some(seen.tracks.iter().filter(moves).map(|t| t.id).collect());
+            return;
+        };
+        for track in seen.tracks.iter().filter(moves) {
+            if named.insert(track.id) {
+                let ([x, y], [vx, vy]) = (track.position, track.velocity);
+                let text = format!("mover {} at ({x:.2}, {y:.2}), {:.2} m/s", track.id, vx.hypot(vy));
+                self.navigator.event(seen.time, "appeared", text);
+            }
+        }
     }
 
     /// The time on a clock that never runs back, s: where that of the caller does, it goes on from where it was.

@@ -133,7 +133,7 @@ pub struct Energy {
 pub struct Event {
     /// s since the start of the run.
     pub t: f64,
-    /// `stop`, `go`, `replan`, `no-plan`, `collision`, `cancel`, and what leads to them: `blocked`, `sub-goal missed`, `dear`, `tabu`, `expired`, `blind`.
+    /// `stop`, `go`, `replan`, `no-plan`, `collision`, `cancel`, and what leads to them: `blocked`, `sub-goal missed`, `dear`, `tabu`, `expired`, `blind`, `appeared`.
     pub kind: String,
     /// For people.
     pub reason: String,

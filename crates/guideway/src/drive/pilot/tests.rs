@@ -72,6 +72,8 @@ fn a_goal_that_stays_occupied_ends_stuck_before_it() {
     let run = run(&world, |job| job.stuck_after = 15.0);
     assert_eq!(run.outcome, Outcome::Stuck, "{:?} {:?}", run.events, run.driven.iter().step_by(50).collect::<Vec<_>>());
     assert!(run.collision.is_none() && run.tracking.tpe < 2.0, "{:?}", run.tracking);
+    let appeared: Vec<_> = run.events.iter().filter(|e| e.kind == "appeared").map(|e| (e.t, e.reason.as_str())).collect();
+    assert_eq!(appeared, [(1.0, "mover 0 at (9.00, 3.00), 0.00 m/s")]);
 }
 
 /// A pilot along a straight line in an empty room, and the room.

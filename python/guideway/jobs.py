@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from guideway import _core, alternatives
-from guideway.errors import BadParameter
+from guideway.errors import BadParameter, Infeasible
 from guideway.records import Budget, Limits
 from guideway.traces import trace_record
 
@@ -130,9 +130,9 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     from guideway import products  # it builds on this module
 
     refined = products.refine(job, query, solution, how)
-    zones = job.speed_map()
+    zones, among = job.speed_map(), None
     if job.timing and not quick and (trajectory is None or zones is not None):
-        trajectory = _core.time(refined.path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=zones)
+        trajectory, among = timed(job, query, refined.path, solution.trace, zones)
     certificate = _core.certify(refined.path, query, trajectory, max_curvature=job.max_curvature, speed_map=zones)
     if not certificate["ok"]:
         failed = ", ".join(check["name"] for check in certificate["checks"] if not check["ok"])
@@ -166,7 +166,27 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         record["candidates"] = refined.candidates
     if (trace := trace_record(solution.trace)) is not None:
         record["trace"] = trace
+        if among is not None:
+            trace["speed"]["movers"] |= among
     return Outcome(record, query, solution, refined.path, trajectory)
+
+
+def timed(
+    job: Job, query: _core.Query, path: _core.Path, trace: dict[str, Any], zones: _core.SpeedMap | None
+) -> tuple[_core.Trajectory, dict[str, Any] | None]:
+    """A path in time. Where the planner kept its motion off the movers this one keeps off them too; else the second value says why not."""
+    among = ((trace or {}).get("speed") or {}).get("movers") or {}
+    yaws = {"start_yaw": query.start_yaw, "goal_yaw": query.goal_yaw}
+    alone = {"timed": False, "reason": among.get("reason", "")}
+    if among.get("timed"):
+        try:
+            motion = _core.time(path, job.limits, **yaws, speed_map=zones, among=query)
+        except Infeasible as error:
+            alone["reason"] = f"at the speeds that the mask allows there is none that keeps off them ({error})"
+        else:
+            told = motion.among or {}
+            return motion, {name: told[name] for name in ("passive", "delay", "waiting")}
+    return _core.time(path, job.limits, **yaws, speed_map=zones), (alone if among else None)
 
 
 def world_record(world: _core.World, folder: str | os.PathLike[str], keep_out: Sequence[str] = ()) -> dict[str, Any]:

@@ -29,8 +29,8 @@ SLOWEST = 1e-3
 def speed_map(path: str | os.PathLike[str], speed: float, *, base: float = 100.0, multiplier: float = -1.0, absolute: bool = False) -> SpeedMap:
     """The speeds that a mask allows a robot whose top speed is ``speed`` (m/s).
 
-    ``base + multiplier * value`` is in percent of ``speed``, or with ``absolute`` (Nav2's filter type 2) in m/s. Raises :class:`BadFile` for a file that
-    is no mask, :class:`BadParameter` for a speed, base or multiplier that is no finite number.
+    ``base + multiplier * value`` is in percent of ``speed``, or with ``absolute`` (Nav2's filter type 2) in m/s. Raises
+    :class:`guideway.errors.BadFile` for a file that is no mask, :class:`BadParameter` for numbers that are not finite.
     """
     import numpy as np
 

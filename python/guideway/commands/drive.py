@@ -224,8 +224,9 @@ def summary(record: dict[str, Any]) -> str:
     """A few lines for people."""
     tracking, steps = record["tracking"], record["step_seconds"]
     nearest = "nothing near" if record["min_separation"] is None else f"{record['min_separation']:.3f} m to the nearest obstacle"
+    ended = "interrupted" if record["cancelled"] else record["outcome"]
     lines = [
-        f"outcome      {record['outcome']} after {record['time']:.2f} s (planned {record['plan']['duration']:.2f} s)",
+        f"outcome      {ended} after {record['time']:.2f} s (planned {record['plan']['duration']:.2f} s)",
         f"safety       {nearest}, {record['emergency_stops']} emergency stops, {record['replans']} new plans",
         f"tracking     {100 * tracking['tte']:.2f} cm from the path (RMS), {100 * tracking['tpe']:.1f} cm from the goal at the end",
         f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms)",

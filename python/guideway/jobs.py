@@ -176,17 +176,20 @@ def timed(
 ) -> tuple[_core.Trajectory, dict[str, Any] | None]:
     """A path in time. Where the planner kept its motion off the movers this one keeps off them too; else the second value says why not."""
     among = ((trace or {}).get("speed") or {}).get("movers") or {}
-    yaws = {"start_yaw": query.start_yaw, "goal_yaw": query.goal_yaw}
     alone = {"timed": False, "reason": among.get("reason", "")}
+
+    def motion(others: _core.Query | None) -> _core.Trajectory:
+        return _core.time(path, job.limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=zones, among=others)
+
     if among.get("timed"):
         try:
-            motion = _core.time(path, job.limits, **yaws, speed_map=zones, among=query)
+            found = motion(query)
         except Infeasible as error:
             alone["reason"] = f"at the speeds that the mask allows there is none that keeps off them ({error})"
         else:
-            told = motion.among or {}
-            return motion, {name: told[name] for name in ("passive", "delay", "waiting")}
-    return _core.time(path, job.limits, **yaws, speed_map=zones), (alone if among else None)
+            told = found.among or {}
+            return found, {name: told[name] for name in ("passive", "delay", "waiting")}
+    return motion(None), (alone if among else None)
 
 
 def world_record(world: _core.World, folder: str | os.PathLike[str], keep_out: Sequence[str] = ()) -> dict[str, Any]:

@@ -161,6 +161,6 @@ function makeCurves(host, link) {
     if (motion && !host.hidden) strips.forEach(moveStrip);
   };
 
-  new ResizeObserver(paint).observe(body);
+  onWidth(body, paint);
   return { build, move };
 }

@@ -15,6 +15,7 @@ function checkName(motion, check) {
 
 function verdictOf(motion) {
   const { certificate } = motion;
+  if (!certificate && motion.trials.length) return learnedVerdict(motion);
   if (!certificate) return ["none", "Limits not checked", "This file holds no certificate."];
   const collision = record(certificate.collision);
   if (certificate.ok === true) {
@@ -79,12 +80,22 @@ function fillVerdict(host, motion) {
   host.replaceChildren(...nodes.filter(Boolean));
 }
 
+const bestOf = (motion) => motion.trials.find((trial) => trial.number === motion.best) || null;
+
+/** Where the trials are what speaks for a motion. */
+function learnedVerdict(motion) {
+  const best = bestOf(motion);
+  if (!best) return ["none", `Learned from ${motion.trials.length} trials`, "This motion has not been run yet."];
+  if (best.clean === false) return ["warn", "Every trial had a violation", `The motion shown is that of trial ${best.number}, the nearest to none.`];
+  return ["good", "No violation measured", null];
+}
+
 function learningWords(motion) {
-  const best = motion.trials.find((trial) => trial.number === motion.best);
-  if (!motion.trials.length) return null;
-  if (!best || best.clean === false) return make("p", { class: "note warn" }, `None of the ${motion.trials.length} trials was without a measured violation.`);
-  const bound = finite(best.lower_bound) && best.lower_bound > 0 ? `, at most ${(100 * (best.duration / best.lower_bound - 1)).toFixed(1)} % above the best that is possible as far as the learner knows` : "";
-  return make("p", { class: "words" }, `Learned in ${motion.trials.length} trials; trial ${best.number} is the fastest without a measured violation${bound}.`);
+  const best = bestOf(motion);
+  if (!best || best.clean === false) return null;
+  const bound = finite(best.lower_bound) && best.lower_bound > 0 ? `, at most ${(100 * (best.duration / best.lower_bound - 1)).toFixed(1)}\u00a0% slower than anything the learner still holds possible` : "";
+  const truth = finite(best.true) ? ` Its true torque reaches ${over(best.true)}\u00a0% of a limit.` : "";
+  return make("p", { class: "words" }, `Trial ${best.number} of ${motion.trials.length} is the fastest without a measured violation${bound}.${truth}`);
 }
 
 /** How far each limit is used, and where. */
@@ -177,7 +188,7 @@ function methodTable(motion) {
     ["Method", report.method && plain(report.method)],
     ...priceOf(motion).map(([name, value]) => [name, `${exact(value)} s`]),
     ["Path", path.source && plain(path.source)],
-    ["Spline within", finite(walk.deviation) ? `${show(1000 * walk.deviation)} mm of the tool's path` : null],
+    ["Spline within", finite(walk.deviation) ? (walk.deviation < 1e-4 ? `${show(1e6 * walk.deviation)} \u00b5m of the tool's path` : `${show(1000 * walk.deviation)} mm of the tool's path`) : null],
     ["Smallest singular value", finite(walk.smallest_singular_value) ? walk.smallest_singular_value.toFixed(4) : null],
     ["Points of the grid", motion.points ? plain(motion.points) : null],
     ...solver,
@@ -192,7 +203,7 @@ function fillDetails(host, motion, seek) {
     block("What holds the motion back", heldBy(motion), make("p", { class: "small" }, "Share of the duration during which a limit is the one that keeps the motion from being faster.")),
     block("Use of the limits", useTable(motion, seek), checkList(motion)),
     block("Limits", limitTable(motion)),
-    block("Robot", robotTable(motion)),
+    block(motion.trials.length ? "Robot, as the learner knew it" : "Robot", robotTable(motion)),
     block("How it was found", methodTable(motion)),
   ].filter((node, i) => node && (i !== 0 || motion.stretches.length)));
 }

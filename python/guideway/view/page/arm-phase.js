@@ -22,6 +22,9 @@ const stroked = (d, kind, more = {}) => drawing("path", { d, class: kind, ...mor
 const jointInk = (joint) => (joint === null || joint === undefined ? "var(--soft)" : `var(--joint-${joint % 8})`);
 const tryInk = (k, count) => `color-mix(in oklab, var(--accent) ${Math.round(22 + (78 * k) / Math.max(1, count - 1))}%, var(--surface))`;
 
+/** A line of a legend. */
+const keyOf = (kind, text, more = {}) => make("span", {}, drawing("svg", { viewBox: "0 0 24 9" }, stroked("M0 4.5H24", kind, more)), text);
+
 /** A chart's frame: ticks, rules and the names of both axes. */
 function frameOf({ width, height, left, right, top, bottom, x, y, xs, ys, nameX, nameY }) {
   const floor = height - bottom;
@@ -120,15 +123,14 @@ function makePhase(host, link) {
     return [drawing("rect", { x: left, y: at, width: width - left - right, height: 8, class: "lane", rx: 2 }), ...bars, label(left - 6, at + 7.5, kind, { "text-anchor": "end", class: "name" })];
   });
 
-  const key = (kind, text, more = {}) => make("span", {}, drawing("svg", { viewBox: "0 0 24 9" }, stroked("M0 4.5H24", kind, more)), text);
   const fillKeys = (phase, runs) => {
     const seen = [...new Set(motion.stretches.map((one) => one.joint))].filter((joint) => joint !== null && joint !== undefined).sort((a, b) => a - b);
-    const parts = motion.stretches.length ? seen.map((joint) => key("line bold", jointName(motion, joint), { stroke: jointInk(joint) })) : [key("line bold", runs.length ? "best trial" : "the motion", { stroke: "var(--accent)" })];
+    const parts = motion.stretches.length ? seen.map((joint) => keyOf("line bold", jointName(motion, joint), { stroke: jointInk(joint) })) : [keyOf("line bold", runs.length ? "best trial" : "the motion", { stroke: "var(--accent)" })];
     if (runs.length) parts.push(make("span", { class: "ramp tries" }, "trials: first", make("i", {}), "last"));
-    if (motion.oracle) parts.push(key("oracle", "true optimum"));
-    if (others.length) parts.push(key("line", "other motions", { stroke: "var(--soft)" }));
-    if (phase.second) parts.push(key("second", phase.kinematic ? "fastest that joint speeds and accelerations allow" : "maximum velocity curve"));
-    if (phase.first) parts.push(key(phase.second ? "first" : "second", phase.second ? "joint speeds alone" : "fastest that joint speeds allow"));
+    if (motion.oracle) parts.push(keyOf("oracle", "true optimum"));
+    if (others.length) parts.push(keyOf("line", "other motions", { stroke: "var(--soft)" }));
+    if (phase.second) parts.push(keyOf("second", phase.kinematic ? "fastest that joint speeds and accelerations allow" : "maximum velocity curve"));
+    if (phase.first) parts.push(keyOf(phase.second ? "first" : "second", phase.second ? "joint speeds alone" : "fastest that joint speeds allow"));
     keys.replaceChildren(...parts);
   };
 
@@ -176,7 +178,7 @@ function makePhase(host, link) {
     nodes.marked.setAttribute("d", trial ? joined(trial.profile.s, trial.profile.v, axes.x, axes.y) : "");
   };
 
-  new ResizeObserver(paint).observe(area);
+  onWidth(area, paint);
   return { build, move, point };
 }
 

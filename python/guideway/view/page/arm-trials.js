@@ -1,5 +1,7 @@
 // Learning: how long each trial took, how far it went over its limits, and all trials in a table.
 
+const DOTTED = { stroke: "var(--soft)", "stroke-dasharray": "2 3" };
+
 /** Integer ticks from 1 to `count`. */
 function trialTicks(count, most) {
   const step = Math.max(1, roundStep(count / most) | 0);
@@ -7,41 +9,51 @@ function trialTicks(count, most) {
 }
 
 /** A small chart over trials: `marks(x, y)` draws into it. */
-function trialChart(width, title, unit, numbers, [low, high], marks) {
-  const [height, left, right, top, bottom] = [150, 44, 10, 16, 20];
+function trialChart(width, title, key, unit, numbers, [low, high], marks) {
+  const [height, left, right, top, bottom] = [138, 38, 8, 8, 20];
   const last = Math.max(...numbers, 2);
   const x = (n) => left + 12 + ((width - left - right - 24) * (n - 1)) / (last - 1);
   const y = (v) => height - bottom - ((height - bottom - top) * (v - low)) / (high - low);
-  const box = { width, height, left, right, top, bottom, x, y, xs: trialTicks(last, 10), ys: ticksOf(low, high, 4), nameX: null, nameY: unit };
-  return make("div", {}, make("h3", {}, title), drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": title }, ...frameOf(box), ...marks(x, y, box)));
+  const box = { width, height, left, right, top, bottom, x, y, xs: trialTicks(last, 10), ys: ticksOf(low, high, 4), nameX: null, nameY: null };
+  return make("div", {}, make("h3", {}, `${title}, ${unit}`), make("div", { class: "legendrow" }, ...key), drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": title }, ...frameOf(box), ...marks(x, y, box)));
 }
 
+const point2 = (rows, x, y) => (one) => drawing("circle", { cx: x(one.number), cy: y(one.value), r: rows.length > 25 ? 2.2 : 4, fill: one.clean === false ? "var(--bad)" : "var(--accent)", stroke: "var(--surface)", "stroke-width": 1.2 });
+
+/** Durations; trials far slower than the others are cut off, with their value beside an arrow. */
 function durationChart(motion, width) {
-  const rows = motion.trials.filter((trial) => finite(trial.duration));
+  const rows = motion.trials.filter((trial) => finite(trial.duration)).map((trial) => ({ ...trial, value: trial.duration }));
+  if (!rows.length) return null;
   const bounds = rows.filter((trial) => finite(trial.lower_bound));
-  const best = motion.oracleDuration;
-  const values = [...rows.map((trial) => trial.duration), ...bounds.map((trial) => trial.lower_bound), ...(finite(best) ? [best] : [])];
-  const air = 0.1 * (Math.max(...values) - Math.min(...values) || 0.1);
-  return trialChart(width, "Duration of each trial", "s", rows.map((trial) => trial.number), [Math.min(...values) - air, Math.max(...values) + air], (x, y, { left, right }) => [
-    ...(finite(best) ? [stroked(`M${left} ${y(best)}H${width - right}`, "oracle"), label(width - right, y(best) - 5, `true optimum ${best.toFixed(3)} s`, { "text-anchor": "end", class: "name" })] : []),
-    ...(bounds.length ? [stroked(joined(bounds.map((one) => one.number), bounds.map((one) => one.lower_bound), x, y), "line", { stroke: "var(--soft)", "stroke-dasharray": "2 3" }), label(x(bounds[0].number), y(bounds[0].lower_bound) + 13, "lower bound", { class: "name" })] : []),
-    stroked(joined(rows.map((one) => one.number), rows.map((one) => one.duration), x, y), "line", { stroke: "var(--accent)" }),
-    ...rows.map((one) => drawing("circle", { cx: x(one.number), cy: y(one.duration), r: rows.length > 25 ? 2.2 : 4, fill: one.clean === false ? "var(--bad)" : "var(--accent)", stroke: "var(--surface)", "stroke-width": 1.2 })),
+  const optimum = motion.oracleDuration;
+  const fastest = Math.min(...rows.map((trial) => trial.duration));
+  const shown = rows.filter((trial) => rows.length < 3 || trial.duration <= 1.25 * fastest);
+  const base = bounds.filter((trial) => trial.lower_bound >= 0.8 * fastest);
+  const values = [...shown.map((trial) => trial.duration), ...base.map((trial) => trial.lower_bound), ...(finite(optimum) ? [optimum] : [])];
+  const air = 0.15 * (Math.max(...values) - Math.min(...values) || 0.1);
+  const [low, high] = [Math.min(...values) - air, Math.max(...values) + (shown.length < rows.length ? 2 : 1) * air];
+  const key = [...(finite(optimum) ? [keyOf("oracle", `optimum ${exact(optimum)}`)] : []), ...(base.length ? [keyOf("line", "lower bound", DOTTED)] : [])];
+  return trialChart(width, "Duration", key, "s", rows.map((trial) => trial.number), [low, high], (x, y, { left, right, top }) => [
+    ...(finite(optimum) ? [stroked(`M${left} ${y(optimum)}H${width - right}`, "oracle")] : []),
+    stroked(joined(base.map((one) => one.number), base.map((one) => one.lower_bound), x, y), "line", DOTTED),
+    stroked(joined(shown.map((one) => one.number), shown.map((one) => one.value), x, y), "line", { stroke: "var(--accent)" }),
+    ...shown.map(point2(rows, x, y)),
+    ...rows.filter((one) => !shown.includes(one)).slice(0, 8).flatMap((one) => [drawing("path", { d: `M${x(one.number) - 4} ${top + 10}h8l-4 -8z`, fill: one.clean === false ? "var(--bad)" : "var(--accent)" }), label(x(one.number) + 7, top + 10, one.duration.toFixed(2))]),
   ]);
 }
 
 function violationChart(motion, width) {
-  const rows = motion.trials.filter((trial) => finite(trial.measured) || finite(trial.true));
+  const rows = motion.trials.filter((trial) => finite(trial.measured)).map((trial) => ({ ...trial, value: 100 * (1 + trial.measured) }));
+  const exactly = motion.trials.filter((trial) => finite(trial.true)).map((trial) => [trial.number, 100 * (1 + trial.true)]);
   if (!rows.length) return null;
-  const part = (key) => rows.filter((one) => finite(one[key])).map((one) => [one.number, 100 * (1 + one[key])]);
-  const [measured, exactly] = [part("measured"), part("true")];
-  const values = [...measured, ...exactly].map((one) => one[1]).concat([100]);
+  const values = [...rows.map((one) => one.value), ...exactly.map((one) => one[1]), 100];
   const air = 0.12 * (Math.max(...values) - Math.min(...values) || 4);
-  return trialChart(width, "Largest torque of each trial", "% of its limit", rows.map((one) => one.number), [Math.min(...values) - air, Math.max(...values) + air], (x, y, { left, right, top }) => [
+  const key = [keyOf("line", "measured", { stroke: "var(--accent)" }), ...(exactly.length ? [keyOf("line", "true", DOTTED)] : [])];
+  return trialChart(width, "Largest torque", key, "% of the limit", rows.map((one) => one.number), [Math.min(...values) - air, Math.max(...values) + air], (x, y, { left, right, top }) => [
     drawing("rect", { x: left, y: top, width: width - left - right, height: Math.max(0, y(100) - top), class: "over" }), stroked(`M${left} ${y(100)}H${width - right}`, "limit"),
-    ...(exactly.length ? [stroked(joined(exactly.map((one) => one[0]), exactly.map((one) => one[1]), x, y), "line", { stroke: "var(--soft)", "stroke-dasharray": "2 3" })] : []),
-    stroked(joined(measured.map((one) => one[0]), measured.map((one) => one[1]), x, y), "line", { stroke: "var(--accent)" }),
-    ...measured.map(([n, v]) => drawing("circle", { cx: x(n), cy: y(v), r: rows.length > 25 ? 2.2 : 4, fill: (rows.find((one) => one.number === n) || {}).clean === false ? "var(--bad)" : "var(--accent)", stroke: "var(--surface)", "stroke-width": 1.2 })),
+    stroked(joined(exactly.map((one) => one[0]), exactly.map((one) => one[1]), x, y), "line", DOTTED),
+    stroked(joined(rows.map((one) => one.number), rows.map((one) => one.value), x, y), "line", { stroke: "var(--accent)" }),
+    ...rows.map(point2(rows, x, y)),
   ]);
 }
 
@@ -67,15 +79,26 @@ function trialTable(motion, point) {
 }
 
 /** Fills the section on learning; `point(number | null)` shows a trial in the phase plane. */
-function fillTrials(host, motion, point) {
-  host.hidden = !(motion && motion.trials.length);
-  if (host.hidden) return;
+function makeTrials(host, point) {
+  let [motion, wide] = [null, 0];
+  const charts = make("div", { class: "pairplots" });
   const draw = () => {
-    const space = host.clientWidth - 28;
-    const width = space > 500 ? (space - 22) / 2 : space;
-    const charts = [durationChart(motion, width), violationChart(motion, width)].filter(Boolean);
-    const who = motion.learner ? `, learner ${words(motion.learner)}` : "";
-    host.replaceChildren(make("h2", {}, `Learning: ${motion.trials.length} trials${who}`), make("div", { class: "pairplots" }, ...charts), trialTable(motion, point));
+    if (!motion || host.hidden || !charts.clientWidth || charts.clientWidth === wide) return;
+    wide = charts.clientWidth;
+    const columns = wide >= 420 ? 2 : 1;
+    charts.style.gridTemplateColumns = `repeat(${columns}, minmax(0, 1fr))`;
+    const width = (wide - 22 * (columns - 1)) / columns;
+    charts.replaceChildren(...[durationChart(motion, width), violationChart(motion, width)].filter(Boolean));
   };
-  draw();
+  onWidth(host, draw);
+  return (next) => {
+    [motion, wide] = [next, 0];
+    host.hidden = !(motion && motion.trials.length);
+    if (host.hidden) return;
+    const who = motion.learner ? `, learner ${words(motion.learner)}` : "";
+    const simulated = motion.trials.some((trial) => finite(trial.true)) ? " True is the torque of the simulated plant itself." : "";
+    const note = make("p", { class: "small" }, `Red: counted as a violation, beyond what noise explains.${simulated} Point at a row to see its profile in the phase plane.`);
+    host.replaceChildren(make("h2", {}, `Learning: ${motion.trials.length} trials${who}`), charts, trialTable(motion, point), note);
+    draw();
+  };
 }

@@ -97,6 +97,7 @@ const scene = makeScene(byId("scene"), byId("solid"), byId("over"), () => ({ t: 
 });
 const phase = makePhase(byId("phase"), link);
 const curves = makeCurves(byId("curves"), link);
+const fillTrials = makeTrials(byId("trials"), (trial) => phase.point(trial));
 
 function showTip(row, [px, py]) {
   const tip = byId("tip");
@@ -179,7 +180,7 @@ function refresh() {
   byId("slider").max = String(duration());
   fillVerdict(byId("verdict"), motion);
   fillCompare(byId("compare"), motions, state.active, choose);
-  fillTrials(byId("trials"), motion, (number_) => phase.point(number_));
+  fillTrials(motion);
   fillDetails(byId("details"), motion, seek);
   fillBound(motion);
   phase.build(motion, motions.filter((one) => one !== motion && list(one.phase.s).length > 1));

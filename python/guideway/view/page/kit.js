@@ -99,3 +99,13 @@ function ticksOf(low, high, count) {
   for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + step * 1e-6; v += step) ticks.push(Math.abs(v) < step * 1e-6 ? 0 : v);
   return { step, ticks };
 }
+
+/** Calls `draw` when the width of an element changes; not within the same frame, so that drawing may change its height. */
+function onWidth(node, draw) {
+  let width = node.clientWidth;
+  new ResizeObserver(() => {
+    if (node.clientWidth === width) return;
+    width = node.clientWidth;
+    requestAnimationFrame(draw);
+  }).observe(node);
+}

@@ -1,6 +1,7 @@
 //! What is free around the robot now and in the next seconds: the static world, movers at constant velocity, and all that movers could reach.
 
 use super::body::Body;
+use super::crowd::{Around, Crowd, Near};
 use super::{Observation, Robot, Track, arc};
 use crate::Point;
 use crate::world::shape::{convex_distance, distance};
@@ -12,8 +13,6 @@ const REACH: f64 = 0.8;
 const BORDER: f64 = 0.03;
 /// Left of the room there is when the robot already stands nearer than its margin, m.
 const SPARE: f64 = 0.005;
-/// Room to movers above which they no longer count as near, m.
-pub(super) const WIDE: f64 = 0.8;
 /// Movers that are slower than this at most have margins that grow less, m/s.
 const SLOW: f64 = 0.3;
 /// Shortest step of a contact search, s.
@@ -28,43 +27,6 @@ pub(super) struct Margins {
     pub moving: f64,
     /// Growth of the margin to movers with the time predicted, m/s.
     pub growth: f64,
-}
-
-/// A mover near enough to matter, with the distance that counts as contact in predictions.
-struct Near<'a> {
-    track: &'a Track,
-    /// Of the disc around its reference point that covers it, m.
-    radius: f64,
-    speed: f64,
-    keep: f64,
-    growth: f64,
-    /// How much its nearness matters, 0 for what cannot move to 1.
-    lively: f64,
-}
-
-/// What movers mean for one place and time.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Around {
-    /// Smallest room, m, and the number of the mover.
-    pub room: f64,
-    pub id: usize,
-    /// Time for which none can be met, s.
-    pub safe: f64,
-    /// Nearness, 0 to 1.
-    pub close: f64,
-}
-
-impl Near<'_> {
-    /// Distance of the outline, `t` s from now at constant velocity, to a disc, m: at least this.
-    #[inline]
-    fn distance(&self, p: Point, t: f64) -> f64 {
-        let q = self.track;
-        if q.outline.points.len() == 1 {
-            let (dx, dy) = (p[0] - q.position[0] - q.velocity[0] * t, p[1] - q.position[1] - q.velocity[1] * t);
-            return (dx * dx + dy * dy).sqrt() - self.radius;
-        }
-        q.distance(p, t)
-    }
 }
 
 /// What was met first.
@@ -82,7 +44,7 @@ pub(super) struct Field<'a> {
     shapes: Vec<&'a Shape>,
     gridded: bool,
     keep: f64,
-    near: Vec<Near<'a>>,
+    crowd: Crowd<'a>,
 }
 
 impl<'a> Field<'a> {
@@ -92,10 +54,10 @@ impl<'a> Field<'a> {
         let p = [seen.pose[0], seen.pose[1]];
         let far = robot.speed * horizon + body.reach + margins.still + REACH;
         let shapes = world.shapes().iter().filter(|s| s.distance(p) < far).collect();
-        let mut field = Self { world, body, shapes, gridded: world.grid().is_some(), keep: 0.0, near: Vec::new() };
+        let mut field = Self { world, body, shapes, gridded: world.grid().is_some(), keep: 0.0, crowd: Crowd::new(Vec::new()) };
         let room = field.slack(seen.pose);
         field.keep = margins.still.min(room - SPARE).max(0.0);
-        field.near.extend(seen.tracks.iter().filter_map(|track| {
+        let near = seen.tracks.iter().filter_map(|track| {
             let (speed, radius) = (track.velocity[0].hypot(track.velocity[1]), track.outline.circumscribed());
             let away = distance(p, track.position) - radius - body.reach;
             let far = (robot.speed + speed.max(track.bound) + margins.growth) * horizon + margins.moving + track.doubt;
@@ -108,7 +70,8 @@ impl<'a> Field<'a> {
             let gap = discs(body, seen.pose).map(|(c, r)| near.distance(c, 0.0) - r).fold(f64::INFINITY, f64::min);
             near.keep = (margins.moving + track.doubt).min(gap - 0.01).max(0.01);
             Some(near)
-        }));
+        });
+        field.crowd = Crowd::new(near.collect());
         field
     }
 
@@ -184,27 +147,24 @@ impl<'a> Field<'a> {
     /// Movers at constant velocity around `pose` after `t` s, for a robot whose points move at most at `v` m/s.
     #[inline]
     pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> Around {
-        let mut all = Around { room: f64::INFINITY, id: usize::MAX, safe: f64::INFINITY, close: 0.0 };
-        if self.near.is_empty() {
-            return all;
-        }
-        for (p, r) in discs(self.body, pose) {
-            for near in &self.near {
-                let gap = near.distance(p, t) - r - near.keep - near.growth * t;
-                all.safe = all.safe.min(gap / (v + near.speed + near.growth).max(1e-6));
-                all.close = all.close.max(near.lively * (1.0 - gap / WIDE));
-                if gap < all.room {
-                    (all.room, all.id) = (gap, near.track.id);
-                }
-            }
-        }
-        all
+        self.crowd.around(discs(self.body, pose), t, v)
+    }
+
+    /// The number of the mover that leaves the robot at `pose` the least room after `t` s.
+    pub fn first(&self, pose: [f64; 3], t: f64) -> usize {
+        self.crowd.nearest(discs(self.body, pose), t)
+    }
+
+    /// Does no mover come to the robot while it stays at `pose` between these times, s? A no may be wrong.
+    #[inline]
+    pub fn undisturbed(&self, pose: [f64; 3], span: [f64; 2]) -> bool {
+        self.crowd.pass(discs(self.body, pose), span)
     }
 
     /// Distance of the discs at `pose` to the nearest obstacle, movers `t` s from now at constant velocity, m, capped.
     pub fn nearest(&self, pose: [f64; 3], t: f64, cap: f64) -> f64 {
         let disc = |(c, r): (Point, f64)| {
-            let movers = self.near.iter().map(|near| near.distance(c, t)).fold(f64::INFINITY, f64::min);
+            let movers = self.crowd.near().iter().map(|near| near.distance(c, t)).fold(f64::INFINITY, f64::min);
             movers.min(self.clear(c, cap + r)) - r
         };
         discs(self.body, pose).map(disc).fold(cap, f64::min)
@@ -215,7 +175,7 @@ impl<'a> Field<'a> {
     pub fn reach(&self, pose: [f64; 3], t: f64, but: &[usize]) -> (f64, usize) {
         let p = [pose[0], pose[1]];
         let mut least = (f64::INFINITY, usize::MAX);
-        for near in self.near.iter().filter(|n| !but.contains(&n.track.id)) {
+        for near in self.crowd.near().iter().filter(|n| !but.contains(&n.track.id)) {
             let grown = near.track.doubt + near.track.bound * t;
             let rough = distance(p, near.track.position) - near.radius - self.body.reach - grown;
             let exact = || {
@@ -230,27 +190,25 @@ impl<'a> Field<'a> {
         least
     }
 
-    /// As [`Field::reach`] after `t` s of motion at constant velocity and `more` s of any: at least this, m.
-    #[inline]
-    pub fn later(&self, p: Point, t: f64, more: f64) -> f64 {
-        let room = |n: &Near| n.distance(p, t) - n.track.doubt - n.track.bound * more;
-        self.near.iter().map(room).fold(f64::INFINITY, f64::min) - self.body.reach
+    /// The movers, and the radius of the disc around the reference point that covers the robot, m.
+    pub fn crowd(&self) -> (&Crowd<'a>, f64) {
+        (&self.crowd, self.body.reach)
     }
 
     /// Centre and radius (m) of the discs that hold all that movers could reach within `t` s.
     pub fn discs(&self, t: f64) -> Vec<[f64; 3]> {
         let disc = |n: &Near| [n.track.position[0], n.track.position[1], n.radius + n.track.doubt + n.track.bound * t];
-        self.near.iter().map(disc).collect()
+        self.crowd.near().iter().map(disc).collect()
     }
 
     /// The largest speed that any mover may have, m/s.
     pub fn fastest(&self) -> f64 {
-        self.near.iter().map(|n| n.track.bound).fold(0.0, f64::max)
+        self.crowd.fastest
     }
 
     /// Tracks that may matter.
     pub fn tracks(&self) -> impl Iterator<Item = &Track> {
-        self.near.iter().map(|n| n.track)
+        self.crowd.near().iter().map(|n| n.track)
     }
 
     /// First contact on the arc of constant `v` (>= 0 m/s) and `w` (rad/s) within `horizon` s: when and with what. Conservative advancement: a step
@@ -269,7 +227,7 @@ impl<'a> Field<'a> {
             }
             let around = self.movers(at, t, own);
             if around.room <= 0.0 {
-                return Some((t, Met::Mover(around.id)));
+                return Some((t, Met::Mover(self.first(at, t))));
             }
             t += (checked - t).min(around.safe).max(LEAST);
         }

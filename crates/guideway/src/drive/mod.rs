@@ -8,6 +8,7 @@ mod body;
 mod controllers;
 mod course;
 mod critics;
+mod crowd;
 mod dwa;
 mod execute;
 mod eyes;

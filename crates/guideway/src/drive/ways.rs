@@ -1,6 +1,7 @@
 //! Manoeuvres, and what they lead to: predicted in (place, time) with the lags and limits of the base.
 
-use super::field::{Around, Field, Met, WIDE};
+use super::crowd::{Around, WIDE};
+use super::field::{Field, Met};
 use super::guard::lagged;
 use super::local::Local;
 use super::{Robot, arc};
@@ -69,8 +70,6 @@ pub(super) struct Forecast {
     pub late: Option<f64>,
     /// State at the end or the contact.
     pub end: Sim,
-    /// Least room to movers, m.
-    pub gap: f64,
     /// Integral of the distance from the path, m s, and of the nearness to movers, s.
     pub aside: f64,
     pub near: f64,
@@ -131,7 +130,7 @@ impl Predictor<'_> {
 
     /// Drives `way` from `start`, whose time is `span[0]` (s from now), until `span[1]` or the first contact.
     pub fn run(&self, way: Way, start: &Sim, span: [f64; 2]) -> Forecast {
-        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, gap: f64::INFINITY, aside: 0.0, near: 0.0 };
+        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
         let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
         let n = ((span[1] - span[0]) / STEP).round().max(1.0);
         let h = (span[1] - span[0]) / n;
@@ -149,10 +148,9 @@ impl Predictor<'_> {
             }
             let own = sim.v.abs() + self.arm * sim.w.abs();
             if t >= safe {
-                let Around { room, id, safe: time, close } = self.field.movers(sim.pose, t, self.robot.speed);
-                found.gap = found.gap.min(room);
+                let Around { room, safe: time, close } = self.field.movers(sim.pose, t, self.robot.speed);
                 if room <= 0.0 {
-                    (found.contact, found.end, found.parked) = (Some((t, Met::Mover(id))), sim, own < STANDING);
+                    (found.contact, found.end, found.parked) = (Some((t, Met::Mover(self.field.first(sim.pose, t)))), sim, own < STANDING);
                     return found;
                 }
                 found.near += h * close;
@@ -194,18 +192,25 @@ impl Predictor<'_> {
             return true;
         }
         let length = v * (reaction + 0.5 * brake);
+        let (crowd, reach) = self.field.crowd();
+        if crowd.surely_beyond(([sim.pose[0], sim.pose[1]], reach + error + length), [t, whole]) {
+            return true;
+        }
         let at = |share: f64| {
             let [x, y, yaw] = sim.pose;
             let bend = yaw + sim.w * share * (0.5 * turn + reaction) * 0.5;
             [x + sim.v.signum() * share * length * bend.cos(), y + sim.v.signum() * share * length * bend.sin()]
         };
-        let free = |share: f64, more: f64| self.field.later(at(share), t, more) >= error;
+        let free = |share: f64, more: f64| crowd.beyond((at(share), reach), [t, more], error);
         // Halfway in time three quarters of the way are driven.
         free(0.75, 0.5 * whole) && free(1.0, whole)
     }
 
     /// How soon a robot that stays at `pose` from `from` s on would be met: 0 never, 1 at once.
     pub fn exposure(&self, pose: [f64; 3], from: f64) -> f64 {
+        if self.field.undisturbed(pose, [from, from + EXPOSED]) {
+            return 0.0;
+        }
         let mut t = from;
         while t < from + EXPOSED {
             let around = self.field.movers(pose, t, 0.0);

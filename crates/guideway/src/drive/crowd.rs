@@ -1,0 +1,239 @@
+//! Movers near the robot, laid out so that a look at all of them is quick.
+
+use super::Track;
+use crate::Point;
+
+/// Movers that are looked at together.
+const LANES: usize = 4;
+/// Room to movers above which they no longer count as near, m.
+pub(super) const WIDE: f64 = 0.8;
+/// Shortcuts leave so much more room than what they stand for, m: rounding is far below.
+const SURE: f64 = 1e-6;
+
+/// A mover near enough to matter, with the distance that counts as contact in predictions.
+pub(super) struct Near<'a> {
+    pub track: &'a Track,
+    /// Of the disc around its reference point that covers it, m.
+    pub radius: f64,
+    pub speed: f64,
+    pub keep: f64,
+    pub growth: f64,
+    /// How much its nearness matters, 0 for what cannot move to 1.
+    pub lively: f64,
+}
+
+impl Near<'_> {
+    /// Distance of the outline, `t` s from now at constant velocity, to a point, m.
+    #[inline]
+    pub fn distance(&self, p: Point, t: f64) -> f64 {
+        let q = self.track;
+        if self.round() {
+            let (dx, dy) = (p[0] - q.position[0] - q.velocity[0] * t, p[1] - q.position[1] - q.velocity[1] * t);
+            return (dx * dx + dy * dy).sqrt() - self.radius;
+        }
+        q.distance(p, t)
+    }
+
+    fn round(&self) -> bool {
+        self.track.outline.points.len() == 1
+    }
+}
+
+/// What movers mean for one place and time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Around {
+    /// Smallest room, m.
+    pub room: f64,
+    /// Time for which none can be met, s.
+    pub safe: f64,
+    /// Nearness, 0 to 1.
+    pub close: f64,
+}
+
+/// Some movers, number by number; lanes that are not used are infinitely far away.
+#[derive(Clone, Copy)]
+struct Lane {
+    x: [f64; LANES],
+    y: [f64; LANES],
+    /// Velocities, m/s, and one over their squares (0 for none).
+    u: [f64; LANES],
+    v: [f64; LANES],
+    inverse: [f64; LANES],
+    radius: [f64; LANES],
+    speed: [f64; LANES],
+    keep: [f64; LANES],
+    growth: [f64; LANES],
+    lively: [f64; LANES],
+    /// What it may be off now, m, and its largest speed, m/s.
+    doubt: [f64; LANES],
+    bound: [f64; LANES],
+    /// Are there others than discs?
+    edged: bool,
+}
+
+impl Lane {
+    const NONE: Self = {
+        let zero = [0.0; LANES];
+        Self {
+            x: [1e200; LANES],
+            y: zero,
+            u: zero,
+            v: zero,
+            inverse: zero,
+            radius: zero,
+            speed: zero,
+            keep: zero,
+            growth: zero,
+            lively: zero,
+            doubt: zero,
+            bound: zero,
+            edged: false,
+        }
+    };
+
+    fn of(near: &[Near]) -> Self {
+        let mut lane = Self::NONE;
+        for (k, n) in near.iter().enumerate() {
+            let ([x, y], [u, v], squared) = (n.track.position, n.track.velocity, n.speed * n.speed);
+            (lane.x[k], lane.y[k], lane.u[k], lane.v[k]) = (x, y, u, v);
+            lane.inverse[k] = if squared > 0.0 { 1.0 / squared } else { 0.0 };
+            (lane.radius[k], lane.speed[k], lane.keep[k], lane.growth[k]) = (n.radius, n.speed, n.keep, n.growth);
+            (lane.lively[k], lane.doubt[k], lane.bound[k]) = (n.lively, n.track.doubt, n.track.bound);
+            lane.edged |= !n.round();
+        }
+        lane
+    }
+}
+
+/// All movers that may matter in one control step.
+pub(super) struct Crowd<'a> {
+    near: Vec<Near<'a>>,
+    lanes: Vec<Lane>,
+    /// The largest speed that any may have, m/s.
+    pub fastest: f64,
+}
+
+impl<'a> Crowd<'a> {
+    pub fn new(near: Vec<Near<'a>>) -> Self {
+        let fastest = near.iter().map(|n| n.track.bound).fold(0.0, f64::max);
+        Self { lanes: near.chunks(LANES).map(Lane::of).collect(), near, fastest }
+    }
+
+    pub fn near(&self) -> &[Near<'a>] {
+        &self.near
+    }
+
+    /// Room of the disc of radius `r` around `p` to some movers, at constant velocity after `t` s, m.
+    #[inline]
+    fn gaps(&self, i: usize, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
+        let l = &self.lanes[i];
+        let mut gaps = [0.0; LANES];
+        for k in 0..LANES {
+            let (dx, dy) = (p[0] - l.x[k] - l.u[k] * t, p[1] - l.y[k] - l.v[k] * t);
+            gaps[k] = (dx * dx + dy * dy).sqrt() - l.radius[k] - r - l.keep[k] - l.growth[k] * t;
+        }
+        if l.edged {
+            for (gap, near) in gaps.iter_mut().zip(&self.near[LANES * i..]).filter(|(_, n)| !n.round()) {
+                *gap = near.distance(p, t) - r - near.keep - near.growth * t;
+            }
+        }
+        gaps
+    }
+
+    /// What they mean for a robot covered by `discs` whose points move at most at `v` m/s, after `t` s at constant velocity.
+    #[inline]
+    pub fn around(&self, discs: impl Iterator<Item = (Point, f64)>, t: f64, v: f64) -> Around {
+        let (mut room, mut safe, mut close) = ([f64::INFINITY; LANES], [f64::INFINITY; LANES], [0.0; LANES]);
+        for disc in discs {
+            for (i, l) in self.lanes.iter().enumerate() {
+                let gaps = self.gaps(i, disc, t);
+                let mut wide = true;
+                for k in 0..LANES {
+                    room[k] = least(gaps[k], room[k]);
+                    safe[k] = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), safe[k]);
+                    wide &= gaps[k] >= WIDE;
+                }
+                if !wide {
+                    for k in 0..LANES {
+                        close[k] = most(l.lively[k] * (1.0 - gaps[k] / WIDE), close[k]);
+                    }
+                }
+            }
+        }
+        let fold = |all: [f64; LANES], f: fn(f64, f64) -> f64| f(f(all[0], all[1]), f(all[2], all[3]));
+        Around { room: fold(room, least), safe: fold(safe, least), close: fold(close, most) }
+    }
+
+    /// The number of the mover that leaves a robot covered by `discs` the least room.
+    pub fn nearest(&self, discs: impl Iterator<Item = (Point, f64)>, t: f64) -> usize {
+        let mut all = (f64::INFINITY, usize::MAX);
+        for disc in discs {
+            for i in 0..self.lanes.len() {
+                for (gap, near) in self.gaps(i, disc, t).into_iter().zip(&self.near[LANES * i..]) {
+                    if gap < all.0 {
+                        all = (gap, near.track.id);
+                    }
+                }
+            }
+        }
+        all.1
+    }
+
+    /// May a robot covered by `discs` stay where it is between these times (s) without meeting any at constant velocity? A no may be wrong.
+    #[inline]
+    pub fn pass(&self, discs: impl Iterator<Item = (Point, f64)>, [from, to]: [f64; 2]) -> bool {
+        for (p, r) in discs {
+            for l in &self.lanes {
+                let mut free = true;
+                for k in 0..LANES {
+                    let (dx, dy) = (p[0] - l.x[k], p[1] - l.y[k]);
+                    let t = least(most((dx * l.u[k] + dy * l.v[k]) * l.inverse[k], from), to);
+                    let (ex, ey) = (dx - l.u[k] * t, dy - l.v[k] * t);
+                    let limit = l.radius[k] + r + l.keep[k] + l.growth[k] * to + SURE;
+                    free &= ex * ex + ey * ey > limit * limit;
+                }
+                if !free {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Is the disc of radius `r` around `p` at least so far from all that movers could reach after `t` s at constant velocity and `more` s of any motion? A no may be
+    /// wrong.
+    #[inline]
+    pub fn surely_beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2]) -> bool {
+        self.lanes.iter().all(|l| {
+            let mut free = true;
+            for k in 0..LANES {
+                let (dx, dy) = (p[0] - l.x[k] - l.u[k] * t, p[1] - l.y[k] - l.v[k] * t);
+                let limit = l.radius[k] + l.doubt[k] + l.bound[k] * more + r + SURE;
+                free &= dx * dx + dy * dy > limit * limit;
+            }
+            free
+        })
+    }
+
+    /// As [`Crowd::surely_beyond`] for a disc of radius `r` and a distance of `least` m, and right.
+    #[inline]
+    pub fn beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2], least: f64) -> bool {
+        self.surely_beyond((p, r + least), [t, more])
+            || self.near.iter().all(|n| {
+                let room = n.distance(p, t) - n.track.doubt - n.track.bound * more - r;
+                room >= least || room.is_nan()
+            })
+    }
+}
+
+/// The lesser; the second where the first is not a number.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater; the second where the first is not a number.
+#[inline]
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}

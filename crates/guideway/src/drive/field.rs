@@ -2,6 +2,7 @@
 
 use super::body::Body;
 use super::crowd::{Around, Crowd, Near};
+use super::rooms::Rooms;
 use super::{Observation, Robot, Track, arc};
 use crate::Point;
 use crate::world::shape::{convex_distance, distance};
@@ -45,6 +46,7 @@ pub(super) struct Field<'a> {
     gridded: bool,
     keep: f64,
     crowd: Crowd<'a>,
+    rooms: Option<&'a Rooms>,
 }
 
 impl<'a> Field<'a> {
@@ -54,7 +56,7 @@ impl<'a> Field<'a> {
         let p = [seen.pose[0], seen.pose[1]];
         let far = robot.speed * horizon + body.reach + margins.still + REACH;
         let shapes = world.shapes().iter().filter(|s| s.distance(p) < far).collect();
-        let mut field = Self { world, body, shapes, gridded: world.grid().is_some(), keep: 0.0, crowd: Crowd::new(Vec::new()) };
+        let mut field = Self { world, body, shapes, gridded: world.grid().is_some(), keep: 0.0, crowd: Crowd::new(Vec::new()), rooms: None };
         let room = field.slack(seen.pose);
         field.keep = margins.still.min(room - SPARE).max(0.0);
         let near = seen.tracks.iter().filter_map(|track| {
@@ -73,6 +75,12 @@ impl<'a> Field<'a> {
         });
         field.crowd = Crowd::new(near.collect());
         field
+    }
+
+    /// With lower bounds of the clearance in the same world.
+    pub fn with_rooms(mut self, rooms: &'a Rooms) -> Self {
+        self.rooms = Some(rooms);
+        self
     }
 
     /// Clearance of a point to the static world, m, exact below `reach`.
@@ -96,6 +104,20 @@ impl<'a> Field<'a> {
             self.clear(c, cap).min(cap) - r - self.keep
         });
         discs.fold(border, f64::min)
+    }
+
+    /// As [`Field::slack`], or less where it is certainly positive.
+    #[inline]
+    pub fn free(&self, pose: [f64; 3]) -> f64 {
+        let Some(rooms) = self.rooms else { return self.slack(pose) };
+        let mut free = self.border([pose[0], pose[1]]);
+        for (c, r) in discs(self.body, pose) {
+            match rooms.at(c).map(|room| room - r - self.keep) {
+                Some(room) if room > 0.0 => free = free.min(room),
+                _ => return self.slack(pose),
+            }
+        }
+        free
     }
 
     /// Distance of the reference point to the border and a little beyond, m.

@@ -26,6 +26,7 @@ mod pilot;
 mod ramp;
 mod rays;
 mod record;
+mod rooms;
 mod search;
 mod sense;
 mod separation;

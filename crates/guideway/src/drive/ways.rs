@@ -140,7 +140,7 @@ impl Predictor<'_> {
             t += h;
             slack -= moved;
             if slack <= 0.0 {
-                slack = self.field.slack(sim.pose);
+                slack = self.field.free(sim.pose);
                 if slack <= 0.0 {
                     (found.contact, found.end) = (Some((t, Met::Static)), sim);
                     return found;

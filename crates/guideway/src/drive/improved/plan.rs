@@ -11,9 +11,11 @@ use crate::drive::filter::Filter;
 use crate::drive::guard::{Bounds, Guard, State};
 use crate::drive::local::Local;
 use crate::drive::ramp::Ramp;
+use crate::drive::rooms::Rooms;
 use crate::drive::search::{Node, Plans, Search};
 use crate::drive::ways::{Predictor, Sim, Way};
 use crate::drive::{Command, Controller, CostToGo, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
+use crate::world::World;
 use crate::world::shape::{distance, wrap};
 use std::sync::Arc;
 
@@ -78,6 +80,7 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
         last: Last { command: Command::default(), rate: 0.0, braked: true, side: None, time: f64::NAN },
         held: None,
         sketch: Sketch::default(),
+        rooms: Rooms::default(),
     })
 }
 
@@ -130,6 +133,7 @@ struct Planning {
     /// The manoeuvre that is held, and until when, s.
     held: Option<(f64, Way)>,
     sketch: Sketch,
+    rooms: Rooms,
 }
 
 impl Controller for Planning {
@@ -195,10 +199,18 @@ impl Planning {
     }
 
     fn choose(&mut self, guide: &Guide, seen: &Observation, due: Option<Decision>) -> Decision {
+        let world = seen.known.clone().unwrap_or_else(|| Arc::clone(&self.setup.world));
+        let mut rooms = std::mem::take(&mut self.rooms);
+        rooms.look(&world, [seen.pose[0], seen.pose[1]], self.setup.robot.speed * self.p.horizon + self.body.reach);
+        let decision = self.chosen(guide, seen, due, (&rooms, &world));
+        self.rooms = rooms;
+        decision
+    }
+
+    fn chosen(&mut self, guide: &Guide, seen: &Observation, due: Option<Decision>, (rooms, world): (&Rooms, &World)) -> Decision {
         let robot = &self.setup.robot.clone();
         let body = &self.body.clone();
-        let world = seen.known.clone().unwrap_or_else(|| Arc::clone(&self.setup.world));
-        let field = Field::new(&world, robot, body, seen, (self.margins, self.p.horizon + PARK));
+        let field = Field::new(world, robot, body, seen, (self.margins, self.p.horizon + PARK)).with_rooms(rooms);
         let hold = if self.last.time.is_nan() { self.p.period } else { (seen.time - self.last.time).clamp(self.p.period, 1.0) };
         let lag = [self.p.lag_speed, self.p.lag_turn];
         let bounds = Bounds { lag, delay: self.p.delay, hold, error: self.p.error, drift: self.p.drift };

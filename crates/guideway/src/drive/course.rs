@@ -78,6 +78,20 @@ impl Course {
         self.between(i, |q| q.s, s)
     }
 
+    /// The states at arc lengths that do not decrease, as [`Course::at_length`] has them.
+    pub fn at_lengths(&self, lengths: impl IntoIterator<Item = f64>) -> Vec<State> {
+        let mut i = None;
+        let at = |s: f64| {
+            let mut next = i.unwrap_or_else(|| self.states.partition_point(|q| q.s <= s));
+            while self.states.get(next).is_some_and(|q| q.s <= s) {
+                next += 1;
+            }
+            i = Some(next);
+            self.between(next, |q| q.s, s)
+        };
+        lengths.into_iter().map(at).collect()
+    }
+
     fn between(&self, i: usize, key: impl Fn(&State) -> f64, x: f64) -> State {
         if i == 0 {
             return self.states[0];

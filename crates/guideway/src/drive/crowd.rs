@@ -11,6 +11,7 @@ pub(super) const WIDE: f64 = 0.8;
 const SURE: f64 = 1e-6;
 
 /// A mover near enough to matter, with the distance that counts as contact in predictions.
+#[derive(Clone, Copy)]
 pub(super) struct Near<'a> {
     pub track: &'a Track,
     /// Of the disc around its reference point that covers it, m.
@@ -103,6 +104,16 @@ impl Lane {
         }
         lane
     }
+
+    #[inline]
+    fn gaps(&self, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
+        let mut gaps = [0.0; LANES];
+        for k in 0..LANES {
+            let (dx, dy) = (p[0] - self.x[k] - self.u[k] * t, p[1] - self.y[k] - self.v[k] * t);
+            gaps[k] = (dx * dx + dy * dy).sqrt() - self.radius[k] - r - self.keep[k] - self.growth[k] * t;
+        }
+        gaps
+    }
 }
 
 /// All movers that may matter in one control step.
@@ -119,25 +130,56 @@ impl<'a> Crowd<'a> {
         Self { lanes: near.chunks(LANES).map(Lane::of).collect(), near, fastest }
     }
 
+    /// Puts into `part` those that may make a difference to [`Crowd::around`] (for `v` m/s) and [`Crowd::nearest`] between two times (s) for a robot that is covered by
+    /// `discs` at first and whose points move at most at `moves` m/s: all others are farther than near, and farther and met later than another one.
+    pub fn part(&self, discs: impl Iterator<Item = (Point, f64)> + Clone, [from, to]: [f64; 2], [v, moves]: [f64; 2], part: &mut Self) {
+        let lane = |i: usize, disc: (Point, f64), sign: f64| {
+            let (l, gaps) = (&self.lanes[i], self.gaps(i, disc, from));
+            let change = |k: usize| sign * ((moves + l.speed[k] + l.growth[k]) * (to - from) + SURE);
+            let bounds = |k: usize| [gaps[k] + change(k), (gaps[k] + change(k)) / (v + l.speed[k] + l.growth[k]).max(1e-6)];
+            [bounds(0), bounds(1), bounds(2), bounds(3)]
+        };
+        let mut most = [f64::INFINITY; 2];
+        for disc in discs.clone() {
+            for bounds in (0..self.lanes.len()).flat_map(|i| lane(i, disc, 1.0)) {
+                most = [most[0].min(bounds[0]), most[1].min(bounds[1])];
+            }
+        }
+        most[0] = most[0].max(WIDE);
+        part.near.clear();
+        for i in 0..self.lanes.len() {
+            let mut counts = [false; LANES];
+            for disc in discs.clone() {
+                for (counts, bounds) in counts.iter_mut().zip(lane(i, disc, -1.0)) {
+                    *counts |= !(bounds[0] > most[0] && bounds[1] > most[1]);
+                }
+            }
+            part.near.extend(self.near[LANES * i..].iter().zip(counts).filter(|(_, counts)| *counts).map(|(near, _)| *near));
+        }
+        part.lanes.clear();
+        part.lanes.extend(part.near.chunks(LANES).map(Lane::of));
+        part.fastest = self.fastest;
+    }
+
     pub fn near(&self) -> &[Near<'a>] {
         &self.near
     }
 
-    /// Room of the disc of radius `r` around `p` to some movers, at constant velocity after `t` s, m.
+    /// Room of the disc of radius `r` around `p` to the movers of a lane, at constant velocity after `t` s, m.
     #[inline]
     fn gaps(&self, i: usize, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
-        let l = &self.lanes[i];
-        let mut gaps = [0.0; LANES];
-        for k in 0..LANES {
-            let (dx, dy) = (p[0] - l.x[k] - l.u[k] * t, p[1] - l.y[k] - l.v[k] * t);
-            gaps[k] = (dx * dx + dy * dy).sqrt() - l.radius[k] - r - l.keep[k] - l.growth[k] * t;
-        }
-        if l.edged {
-            for (gap, near) in gaps.iter_mut().zip(&self.near[LANES * i..]).filter(|(_, n)| !n.round()) {
-                *gap = near.distance(p, t) - r - near.keep - near.growth * t;
-            }
+        let mut gaps = self.lanes[i].gaps((p, r), t);
+        if self.lanes[i].edged {
+            self.edge(i, (p, r), t, &mut gaps);
         }
         gaps
+    }
+
+    /// Puts in the room to those that are no discs.
+    fn edge(&self, i: usize, (p, r): (Point, f64), t: f64, gaps: &mut [f64; LANES]) {
+        for (gap, near) in gaps.iter_mut().zip(&self.near[LANES * i..]).filter(|(_, n)| !n.round()) {
+            *gap = near.distance(p, t) - r - near.keep - near.growth * t;
+        }
     }
 
     /// What they mean for a robot covered by `discs` whose points move at most at `v` m/s, after `t` s at constant velocity.

@@ -169,7 +169,13 @@ impl<'a> Field<'a> {
     /// Movers at constant velocity around `pose` after `t` s, for a robot whose points move at most at `v` m/s.
     #[inline]
     pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> Around {
-        self.crowd.around(discs(self.body, pose), t, v)
+        self.movers_of(&self.crowd, pose, t, v)
+    }
+
+    /// As [`Field::movers`] with a part of them.
+    #[inline]
+    pub fn movers_of(&self, part: &Crowd<'a>, pose: [f64; 3], t: f64, v: f64) -> Around {
+        part.around(discs(self.body, pose), t, v)
     }
 
     /// The number of the mover that leaves the robot at `pose` the least room after `t` s.
@@ -210,6 +216,12 @@ impl<'a> Field<'a> {
             }
         }
         least
+    }
+
+    /// Puts into `part` those movers that may make a difference between two times (s) for a robot at `pose` first whose points move at most at `moves` m/s; what they
+    /// mean is asked with `v` m/s.
+    pub fn part(&self, pose: [f64; 3], span: [f64; 2], [v, moves]: [f64; 2], part: &mut Crowd<'a>) {
+        self.crowd.part(discs(self.body, pose), span, [v, moves], part);
     }
 
     /// The movers, and the radius of the disc around the reference point that covers the robot, m.
@@ -259,7 +271,7 @@ impl<'a> Field<'a> {
 
 /// Centres (map frame) and radii of the discs that cover the body at `pose`.
 #[inline]
-fn discs(body: &Body, pose: [f64; 3]) -> impl Iterator<Item = (Point, f64)> {
+fn discs(body: &Body, pose: [f64; 3]) -> impl Iterator<Item = (Point, f64)> + Clone {
     let (sin, cos) = if body.round() { (0.0, 1.0) } else { pose[2].sin_cos() };
     body.discs.iter().map(move |(c, r)| ([pose[0] + cos * c[0] - sin * c[1], pose[1] + sin * c[0] + cos * c[1]], *r))
 }

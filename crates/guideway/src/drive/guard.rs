@@ -109,8 +109,8 @@ impl<'a> Guard<'a> {
     /// The state after `h` s under a command: first-order lags within the limits, the exact arc of the mean speeds.
     fn follow(&self, at: &State, u: Command, h: f64) -> State {
         let r = self.robot;
-        let v = lagged([at.v, u.v], self.bounds.lag[0], [r.acceleration, r.deceleration], h);
-        let w = lagged([at.w, u.w], self.bounds.lag[1], [r.turn_acceleration; 2], h);
+        let v = lagged([at.v, u.v], share(self.bounds.lag[0], h), [r.acceleration, r.deceleration], h);
+        let w = lagged([at.w, u.w], share(self.bounds.lag[1], h), [r.turn_acceleration; 2], h);
         State { pose: arc(at.pose, f64::midpoint(at.v, v), f64::midpoint(at.w, w), h), v, w }
     }
 
@@ -158,9 +158,15 @@ fn advance(room: &mut f64, speed: f64, h: f64, look: &mut dyn FnMut(f64) -> (f64
     Ok(())
 }
 
-/// The next value of an actuator that follows its target with time constant `lag` (s) and the rate limits [away from zero, towards zero].
-pub(super) fn lagged([x, target]: [f64; 2], lag: f64, limits: [f64; 2], h: f64) -> f64 {
-    let wanted = if lag > 0.0 { (target - x) * -(-h / lag).exp_m1() } else { target - x };
+/// The share of the way to its target that an actuator with time constant `lag` (s) covers in `h` s without limits.
+pub(super) fn share(lag: f64, h: f64) -> f64 {
+    if lag > 0.0 { -(-h / lag).exp_m1() } else { 1.0 }
+}
+
+/// The next value of an actuator that covers this share of the way to its target, with the rate limits [away from zero, towards zero], after `h` s.
+#[inline]
+pub(super) fn lagged([x, target]: [f64; 2], share: f64, limits: [f64; 2], h: f64) -> f64 {
+    let wanted = (target - x) * share;
     let limit = limits[usize::from(x * wanted < 0.0)] * h;
     x + wanted.clamp(-limit, limit)
 }

@@ -29,6 +29,8 @@ pub(super) struct Local {
     marks: Vec<Mark>,
     /// Length of the whole course, m.
     pub length: f64,
+    /// Largest reference speed, m/s.
+    pub top: f64,
 }
 
 impl Local {
@@ -36,13 +38,15 @@ impl Local {
     pub fn new(course: &Course, s: f64, reach: f64) -> Self {
         let n = (reach / STEP).ceil().max(1.0) as usize;
         let k = (AHEAD / STEP) as usize;
-        let states: Vec<_> = (0..=n + k).map(|i| course.at_length(s + STEP * i as f64)).collect();
+        let states = course.at_lengths((0..=n + k).map(|i| s + STEP * i as f64));
         let mark = |i: usize| {
             let (at, ahead) = (&states[i], states[i..=i + k].iter().map(|q| q.speed).fold(0.0, f64::max));
             let (sin, cos) = at.pose[2].sin_cos();
             Mark { s: at.s, point: [at.pose[0], at.pose[1]], yaw: at.pose[2], along: [cos, sin], curvature: at.curvature, speed: ahead }
         };
-        Self { marks: (0..=n).map(mark).collect(), length: course.length() }
+        let marks: Vec<Mark> = (0..=n).map(mark).collect();
+        let top = marks.iter().map(|m| m.speed).fold(0.0, f64::max);
+        Self { marks, length: course.length(), top }
     }
 
     /// Index of the nearest mark, found by going on or back from `i`.

@@ -182,13 +182,16 @@ pub(super) fn walk(from: Point, dir: Point, reach: f64, size: [u32; 2], mut visi
             next[k] = ((cell[k] + i64::from(dir[k] > 0.0)) as f64 - from[k]) / dir[k];
         }
     }
-    let mut t = enter;
-    while visit([cell[0] as u32, cell[1] as u32], t) {
-        let k = usize::from(next[1] < next[0]);
-        t = next[k];
-        next[k] += delta[k];
-        cell[k] += step[k];
-        if t > leave || cell[k] < 0 || cell[k] >= i64::from(size[k]) {
+    // Scalars: the loop is short, and every ray of every scan runs through it.
+    let ([mut x, mut y], [mut across, mut up], mut t) = (cell, next, enter);
+    let [w, h] = size.map(i64::from);
+    while visit([x as u32, y as u32], t) {
+        if up < across {
+            (t, up, y) = (up, up + delta[1], y + step[1]);
+        } else {
+            (t, across, x) = (across, across + delta[0], x + step[0]);
+        }
+        if t > leave || x < 0 || y < 0 || x >= w || y >= h {
             return;
         }
     }

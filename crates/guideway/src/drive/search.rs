@@ -3,6 +3,7 @@
 //! Each level appends one manoeuvre to each plan kept so far; of plans that end in the same place the best is kept, of places the best `beam`.
 //! Plans that meet something end there and rank below all others.
 
+use super::crowd::Crowd;
 use super::field::Met;
 use super::ways::{Predictor, Sim, Way};
 use crate::Point;
@@ -75,7 +76,7 @@ impl Plans {
     }
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
     /// Searches from `start`. `ways(node, level)` lists what may follow, `score` judges a node.
     pub fn run(
         &self,
@@ -87,16 +88,17 @@ impl Search<'_> {
         let root =
             Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
         let (mut nodes, mut open, mut ended) = (vec![root], vec![0], Vec::new());
-        let mut list = Vec::new();
+        let (mut list, mut part) = (Vec::new(), Crowd::<'a>::new(Vec::new()));
         for (level, until) in self.levels.iter().enumerate() {
             let from = nodes.len();
             for &i in &open {
                 let node = nodes[i];
                 list.clear();
                 ways(&node, level, &mut list);
+                self.predictor.part(&node.sim, [node.t, *until], &mut part);
                 for (k, way) in list.iter().enumerate() {
                     let first = if level == 0 { k } else { node.first };
-                    let mut next = self.step(&node, *way, *until);
+                    let mut next = self.step(&node, *way, *until, &part);
                     (next.first, next.parent) = (first, i);
                     if next.lost {
                         next.score = LOST + SECOND * next.t - next.near;
@@ -127,8 +129,8 @@ impl Search<'_> {
         Plans { nodes, best: ended }
     }
 
-    fn step(&self, node: &Node, way: Way, until: f64) -> Node {
-        let found = self.predictor.run(way, &node.sim, [node.t, until]);
+    fn step(&self, node: &Node, way: Way, until: f64, crowd: &Crowd) -> Node {
+        let found = self.predictor.run(way, &node.sim, [node.t, until], crowd);
         let mut next = Node { sim: found.end, t: until, aside: node.aside + found.aside, near: node.near + found.near, ..*node };
         if let Some((t, met)) = found.contact {
             (next.t, next.met, next.lost) = (if found.parked { t } else { t - 0.5 }, Some(met), true);

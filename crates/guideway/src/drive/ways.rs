@@ -1,8 +1,8 @@
 //! Manoeuvres, and what they lead to: predicted in (place, time) with the lags and limits of the base.
 
-use super::crowd::{Around, WIDE};
+use super::crowd::{Around, Crowd, WIDE};
 use super::field::{Field, Met};
-use super::guard::lagged;
+use super::guard::{lagged, share};
 use super::local::Local;
 use super::{Robot, arc};
 use crate::world::shape::wrap;
@@ -92,7 +92,7 @@ pub(super) struct Predictor<'a> {
     pub early: f64,
 }
 
-impl Predictor<'_> {
+impl<'a> Predictor<'a> {
     /// Speeds that the manoeuvre asks for in a state.
     pub fn wanted(&self, way: Way, sim: &Sim) -> (f64, f64) {
         let mark = self.local.mark(sim.mark);
@@ -128,15 +128,22 @@ impl Predictor<'_> {
         w.clamp(-self.robot.turn_rate, self.robot.turn_rate)
     }
 
-    /// Drives `way` from `start`, whose time is `span[0]` (s from now), until `span[1]` or the first contact.
-    pub fn run(&self, way: Way, start: &Sim, span: [f64; 2]) -> Forecast {
+    /// Puts into `part` those movers that may make a difference to what is driven from `start` over a span of time, s.
+    pub fn part(&self, start: &Sim, span: [f64; 2], part: &mut Crowd<'a>) {
+        let moves = start.v.abs().max(self.robot.speed).max(self.local.top) + self.arm * start.w.abs().max(self.robot.turn_rate);
+        self.field.part(start.pose, span, [self.robot.speed, moves], part);
+    }
+
+    /// Drives `way` from `start`, whose time is `span[0]` (s from now), until `span[1]` or the first contact, among the movers of `crowd`.
+    pub fn run(&self, way: Way, start: &Sim, span: [f64; 2], crowd: &Crowd) -> Forecast {
         let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
         let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
         let n = ((span[1] - span[0]) / STEP).round().max(1.0);
         let h = (span[1] - span[0]) / n;
+        let shares = self.lag.map(|lag| share(lag, h));
         for _ in 0..n as u32 {
             let (v, w) = self.wanted(way, &sim);
-            let moved = self.advance(&mut sim, (v, w), h);
+            let moved = self.advance(&mut sim, [v, w], h, shares);
             t += h;
             slack -= moved;
             if slack <= 0.0 {
@@ -148,7 +155,7 @@ impl Predictor<'_> {
             }
             let own = sim.v.abs() + self.arm * sim.w.abs();
             if t >= safe {
-                let Around { room, safe: time, close } = self.field.movers(sim.pose, t, self.robot.speed);
+                let Around { room, safe: time, close } = self.field.movers_of(crowd, sim.pose, t, self.robot.speed);
                 if room <= 0.0 {
                     (found.contact, found.end, found.parked) = (Some((t, Met::Mover(self.field.first(sim.pose, t)))), sim, own < STANDING);
                     return found;
@@ -170,10 +177,10 @@ impl Predictor<'_> {
     }
 
     /// Moves on by one step; how far any point of the body has moved at most, m.
-    fn advance(&self, sim: &mut Sim, (v, w): (f64, f64), h: f64) -> f64 {
+    fn advance(&self, sim: &mut Sim, [v, w]: [f64; 2], h: f64, shares: [f64; 2]) -> f64 {
         let r = self.robot;
-        let next = lagged([sim.v, v], self.lag[0], [r.acceleration, r.deceleration], h);
-        let turn = lagged([sim.w, w], self.lag[1], [r.turn_acceleration; 2], h);
+        let next = lagged([sim.v, v], shares[0], [r.acceleration, r.deceleration], h);
+        let turn = lagged([sim.w, w], shares[1], [r.turn_acceleration; 2], h);
         let (mean, bend) = (0.5 * (sim.v + next), 0.5 * (sim.w + turn));
         let [x, y, yaw] = arc(sim.pose, mean, bend, h);
         *sim = Sim { pose: [x, y, wrap(yaw)], v: next, w: turn, mark: self.local.nearest(sim.mark, [x, y]) };

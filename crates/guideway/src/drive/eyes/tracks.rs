@@ -154,7 +154,11 @@ impl Tracks {
 
     /// Is `p` on or beside something that moves?
     pub fn cover(&self, p: Point) -> bool {
-        self.all.iter().any(|k| k.moved && distance(k.place, p) < k.radius + NEAR)
+        self.all.iter().any(|k| {
+            let reach = k.radius + NEAR;
+            // Most are far away, which their coordinates tell.
+            k.moved && (k.place[0] - p[0]).abs() < reach && (k.place[1] - p[1]).abs() < reach && distance(k.place, p) < reach
+        })
     }
 
     /// The scan of `time`: matches groups with movers, begins new ones. `open` tells whether a ray towards a point passes beyond a distance, m.

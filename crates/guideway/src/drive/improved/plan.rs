@@ -253,7 +253,7 @@ impl Planning {
         if lateral.abs() > ON_IT || left < NEAR_END {
             return None;
         }
-        let on = predictor.run(way, start, [0.0, self.p.horizon]);
+        let on = predictor.run(way, start, [0.0, self.p.horizon], predictor.field.crowd().0);
         let exposed = predictor.exposure(start.pose, 0.0) + predictor.exposure(on.end.pose, self.p.horizon);
         if exposed > 0.0 || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;

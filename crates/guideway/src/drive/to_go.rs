@@ -165,17 +165,15 @@ fn slowness(world: &World, frame: Frame, [inscribed, covering]: [f64; 2], soft: 
     let stride = frame.stride();
     let mut slow = vec![f32::INFINITY; stride * (frame.size[1] + 2)];
     let (tight, margin) = ((covering - inscribed).max(1e-9), soft.clearance.max(1e-9));
-    for (y, line) in (0..frame.size[1] as u32).zip(slow.chunks_mut(stride).skip(1)) {
-        for (x, f) in (0..frame.size[0] as u32).zip(&mut line[1..]) {
-            let c = field.at([x, y]);
-            let blocked = c < inscribed || c < 0.0;
-            if !blocked {
-                let near = (1.0 - (c - covering) / margin).clamp(0.0, 1.0);
-                let narrow = ((covering - c) / tight).clamp(0.0, 1.0);
-                *f = (1.0 + soft.weight * near + DEAR * narrow) as f32;
-            }
+    let cost = |c: f64| {
+        if c < inscribed || c < 0.0 {
+            return f32::INFINITY;
         }
-    }
+        let near = (1.0 - (c - covering) / margin).clamp(0.0, 1.0);
+        let narrow = ((covering - c) / tight).clamp(0.0, 1.0);
+        (1.0 + soft.weight * near + DEAR * narrow) as f32
+    };
+    field.map(cost, |x, y, f| slow[(y as usize + 1) * stride + x as usize + 1] = f);
     slow
 }
 

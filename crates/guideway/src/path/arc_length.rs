@@ -14,6 +14,8 @@ const GAUSS: [(f64, f64); 4] = [
 /// Two halves and the whole must agree to this share of the path's size.
 const AGREEMENT: f64 = 1e-11;
 const DEPTH: u32 = 24;
+/// Newton's method ends when the length is met to this share of the path's.
+const MET: f64 = 1e-14;
 
 /// A stretch of one Bezier piece on which one Gauss rule is exact enough.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +23,8 @@ pub(super) struct Leaf {
     pub piece: usize,
     pub t: [f64; 2],
     pub s: [f64; 2],
+    /// Is the length in proportion to the parameter, as far as anybody can tell?
+    pub even: bool,
 }
 
 /// Bezier pieces of positive length, and their arc length.
@@ -63,15 +67,16 @@ impl Table {
         if straight {
             let row = self.piece(piece);
             let length = gap(&row[..self.dim], &row[self.dim..]);
-            return self.push(piece, [0.0, 1.0], length);
+            return self.push((piece, true), [0.0, 1.0], length);
         }
+        let even = self.even(piece, size);
         let mut stack = vec![(0.0, 1.0, self.integral(piece, 0.0, 1.0), 0)];
         while let Some((a, b, whole, depth)) = stack.pop() {
             let middle = f64::midpoint(a, b);
             let (left, right) = (self.integral(piece, a, middle), self.integral(piece, middle, b));
             if (left + right - whole).abs() <= AGREEMENT * size || depth >= DEPTH {
-                self.push(piece, [a, middle], left);
-                self.push(piece, [middle, b], right);
+                self.push((piece, even), [a, middle], left);
+                self.push((piece, even), [middle, b], right);
             } else {
                 stack.push((middle, b, right, depth + 1));
                 stack.push((a, middle, left, depth + 1));
@@ -79,10 +84,20 @@ impl Table {
         }
     }
 
-    fn push(&mut self, piece: usize, t: [f64; 2], length: f64) {
+    /// Are the control points of a piece so evenly spaced on a straight line that Newton's method has nothing to do? The speed changes by no more than twice the
+    /// degree times the distance of a control point from its place.
+    fn even(&self, piece: usize, size: f64) -> bool {
+        let (row, dim) = (self.piece(piece), self.dim);
+        let degree = row.len() / dim - 1;
+        let place = |i: usize, d: usize| row[d] + (row[degree * dim + d] - row[d]) * i as f64 / degree as f64;
+        let off = (0..row.len()).map(|k| (row[k] - place(k / dim, k % dim)).abs()).fold(0.0, f64::max);
+        2.0 * (degree * dim) as f64 * off <= 0.3 * MET * size
+    }
+
+    fn push(&mut self, (piece, even): (usize, bool), t: [f64; 2], length: f64) {
         let s = [self.length, self.length + length];
         self.length = s[1];
-        self.leaves.push(Leaf { piece, t, s });
+        self.leaves.push(Leaf { piece, t, s, even });
     }
 
     /// Control rows of a piece.
@@ -118,7 +133,7 @@ impl Table {
         let leaf = *self.leaves.get(self.leaf_at(s))?;
         let ([a, b], [s0, s1]) = (leaf.t, leaf.s);
         let share = if s1 > s0 { ((s - s0) / (s1 - s0)).clamp(0.0, 1.0) } else { 0.0 };
-        if share == 0.0 || share == 1.0 || self.stride == 2 * self.dim {
+        if share == 0.0 || share == 1.0 || leaf.even {
             return Some((leaf.piece, a + share * (b - a)));
         }
         Some((leaf.piece, self.invert(leaf, s, a + share * (b - a))))
@@ -130,7 +145,7 @@ impl Table {
         let mut t = guess;
         for _ in 0..60 {
             let miss = self.integral(leaf.piece, leaf.t[0], t) - target;
-            if miss.abs() <= 1e-14 * self.length {
+            if miss.abs() <= MET * self.length {
                 break;
             }
             if miss > 0.0 {

@@ -9,6 +9,25 @@ const STACK: usize = 32;
 /// Value and derivatives with respect to `t` in [0, 1] of a Bezier piece with `control` rows of `dim` values; `out` holds `order + 1` rows.
 /// de Casteljau: the triangle yields every derivative on its way.
 pub(super) fn derivatives(control: &[f64], dim: usize, t: f64, out: &mut [f64]) {
+    // Planar pieces of degree 3 and 5, with one derivative or three, are nearly all there are.
+    match (dim, control.len(), out.len()) {
+        (2, 8, 4) => fixed::<8, 4>(control, t, out),
+        (2, 8, 8) => fixed::<8, 8>(control, t, out),
+        (2, 12, 4) => fixed::<12, 4>(control, t, out),
+        (2, 12, 8) => fixed::<12, 8>(control, t, out),
+        _ => any(control, dim, t, out),
+    }
+}
+
+/// [`triangle`] of a planar piece with sizes that the compiler knows.
+fn fixed<const N: usize, const M: usize>(control: &[f64], t: f64, out: &mut [f64]) {
+    let (mut work, mut rows) = ([0.0; N], [0.0; M]);
+    work.copy_from_slice(control);
+    triangle(&mut work, 2, t, &mut rows);
+    out.copy_from_slice(&rows);
+}
+
+fn any(control: &[f64], dim: usize, t: f64, out: &mut [f64]) {
     if control.len() <= STACK {
         let mut work = [0.0; STACK];
         work[..control.len()].copy_from_slice(control);
@@ -18,6 +37,8 @@ pub(super) fn derivatives(control: &[f64], dim: usize, t: f64, out: &mut [f64]) 
     }
 }
 
+#[expect(clippy::inline_always, reason = "its loops are short and disappear where the sizes are known")]
+#[inline(always)]
 fn triangle(work: &mut [f64], dim: usize, t: f64, out: &mut [f64]) {
     let degree = work.len() / dim - 1;
     let order = out.len() / dim - 1;
@@ -37,6 +58,8 @@ fn triangle(work: &mut [f64], dim: usize, t: f64, out: &mut [f64]) {
 }
 
 /// k-th forward difference of component `d` of the first k + 1 rows.
+#[expect(clippy::inline_always, reason = "as above")]
+#[inline(always)]
 fn difference(work: &[f64], dim: usize, d: usize, k: usize) -> f64 {
     let (mut sum, mut binomial) = (0.0, 1.0);
     for i in 0..=k {

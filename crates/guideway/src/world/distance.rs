@@ -162,13 +162,19 @@ impl SquareField {
     }
     /// Distance of the cell with that index, cells.
     #[inline]
-    fn at(&self, i: usize) -> Option<f64> {
+    pub(super) fn at(&self, i: usize) -> Option<f64> {
         match self {
             Self::Empty => None,
-            Self::Short(all) => Some(0.5 * f64::from(all[i]).sqrt()),
+            Self::Short(all) => Some(from_square(all[i])),
             Self::Long(all) => Some(0.5 * (all[i] as f64).sqrt()),
         }
     }
+}
+
+/// Cells.
+#[inline]
+fn from_square(quarters: u32) -> f64 {
+    0.5 * f64::from(quarters).sqrt()
 }
 
 /// A square reaches half a cell beyond its centre: beside its column its distance is that of a parabola seen from the nearer border of the own
@@ -246,6 +252,9 @@ fn check(set: &Bits) -> Result<(), PlanError> {
     Ok(())
 }
 
+/// Distances whose squares (quarters) are below this are few: those up to 32 cells.
+const FEW: u32 = 4096;
+
 /// Clearance of the centre of every cell that a planner sees, m.
 #[derive(Debug)]
 pub struct ClearanceField {
@@ -253,7 +262,7 @@ pub struct ClearanceField {
     height: u32,
     resolution: f64,
     squares: Arc<SquareField>,
-    /// Distance to the nearest shape, m; empty without shapes.
+    /// Distance to the nearest shape, m, or infinite where blocked cells are nearer; empty without shapes.
     shapes: Vec<f64>,
 }
 
@@ -278,12 +287,30 @@ impl ClearanceField {
     #[inline]
     pub fn at(&self, cell: Cell) -> f64 {
         let i = self.index(cell);
-        let grid = match self.squares.at(i) {
-            None => f64::INFINITY,
-            Some(0.0) => -0.5 * self.resolution,
-            Some(d) => d * self.resolution,
-        };
+        let grid = self.squares.at(i).map_or(f64::INFINITY, |d| self.of_cells(d));
         self.shapes.get(i).map_or(grid, |s| s.min(grid))
+    }
+    /// m, of the distance to blocked squares in cells.
+    #[inline]
+    fn of_cells(&self, distance: f64) -> f64 {
+        if distance == 0.0 { -0.5 * self.resolution } else { distance * self.resolution }
+    }
+    /// `f` of the clearance (m) of the cells, row after row from the bottom: `put(x, y, f)`. Most cells are one of few distances away from blocked ones, whose `f` is
+    /// made once.
+    pub(crate) fn map<T: Copy>(&self, f: impl Fn(f64) -> T, mut put: impl FnMut(u32, u32, T)) {
+        let (mut few, squares) = (Vec::new(), if let SquareField::Short(all) = &*self.squares { all.as_slice() } else { &[] });
+        if !squares.is_empty() {
+            few.extend((0..FEW).map(|square| f(self.of_cells(from_square(square)))));
+        }
+        for (y, x) in (0..self.height).flat_map(|y| (0..self.width).map(move |x| (y, x))) {
+            let i = self.index([x, y]);
+            let known = squares.get(i).and_then(|square| few.get(*square as usize));
+            let value = match known {
+                Some(value) if self.shapes.get(i).is_none_or(|s| *s == f64::INFINITY) => *value,
+                _ => f(self.at([x, y])),
+            };
+            put(x, y, value);
+        }
     }
     /// All values, row after row from the bottom, m.
     pub fn values(&self) -> Vec<f64> {
@@ -292,11 +319,18 @@ impl ClearanceField {
     /// The cells whose centre has at least this clearance, m.
     pub fn at_least(&self, clearance: f64) -> Bits {
         let mut bits = Bits::new(self.width, self.height);
-        if let (SquareField::Short(all), true, true) = (&*self.squares, self.shapes.is_empty(), clearance > 0.0) {
+        if let (SquareField::Short(all), true) = (&*self.squares, clearance > 0.0) {
             let least = self.least_square(clearance);
             for (y, line) in (0..self.height).zip(all.chunks(self.width as usize)) {
                 for (part, word) in line.chunks(64).zip(bits.row_mut(y)) {
                     *word = part.iter().enumerate().fold(0, |w, (i, &v)| w | u64::from(v >= least) << i);
+                }
+            }
+            if !self.shapes.is_empty() {
+                for (y, line) in (0..self.height).zip(self.shapes.chunks(self.width as usize)) {
+                    for (part, word) in line.chunks(64).zip(bits.row_mut(y)) {
+                        *word &= part.iter().enumerate().fold(0, |w, (i, &s)| w | u64::from(s >= clearance) << i);
+                    }
                 }
             }
             return bits;

@@ -315,12 +315,13 @@ impl World {
         Arc::clone(self.field.get_or_init(|| {
             let of_grid = || Arc::new(self.grid.as_ref().map_or(distance::SquareField::Empty, |g| distance::SquareField::new(g.blocked())));
             let squares = Arc::clone(self.squares.get_or_init(of_grid));
-            Arc::new(ClearanceField::new(self.cells(), self.resolution, squares, self.shape_distances()))
+            let shapes = self.shape_distances(&squares);
+            Arc::new(ClearanceField::new(self.cells(), self.resolution, squares, shapes))
         }))
     }
 
-    /// Distance from every cell centre to the nearest shape, m; empty without shapes.
-    fn shape_distances(&self) -> Vec<f64> {
+    /// Distance from every cell centre to the nearest shape, m; infinite all over tiles in which blocked cells are nearer everywhere. Empty without shapes.
+    fn shape_distances(&self, squares: &distance::SquareField) -> Vec<f64> {
         if self.shapes.is_empty() {
             return Vec::new();
         }
@@ -334,8 +335,14 @@ impl World {
             let reach = f64::from(TILE) * self.resolution;
             near.clear();
             near.extend(self.shapes.iter().map(|s| (s.distance(middle), s)));
-            let bound = near.iter().map(|n| n.0).fold(f64::INFINITY, f64::min) + 2.0 * reach;
-            near.retain(|n| n.0 <= bound);
+            let nearest = near.iter().map(|n| n.0).fold(f64::INFINITY, f64::min);
+            let cell = [(x0 + TILE / 2).min(w - 1), (y0 + TILE / 2).min(h - 1)];
+            let cells = squares.at(cell[1] as usize * w as usize + cell[0] as usize).map_or(f64::INFINITY, |d| d * self.resolution);
+            // No centre in the tile is farther than 0.75 sides from its middle, or 1.5 from that cell at the border of the map.
+            if nearest - 0.75 * reach > cells + 1.5 * reach {
+                continue;
+            }
+            near.retain(|n| n.0 <= nearest + 2.0 * reach);
             for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
                 let p = self.cell_to_map([f64::from(x) + 0.5, f64::from(y) + 0.5]);
                 out[y as usize * w as usize + x as usize] = near.iter().map(|n| n.1.distance(p)).fold(f64::INFINITY, f64::min);

@@ -107,12 +107,10 @@ impl Lane {
 
     #[inline]
     fn gaps(&self, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
-        let mut gaps = [0.0; LANES];
-        for k in 0..LANES {
+        std::array::from_fn(|k| {
             let (dx, dy) = (p[0] - self.x[k] - self.u[k] * t, p[1] - self.y[k] - self.v[k] * t);
-            gaps[k] = (dx * dx + dy * dy).sqrt() - self.radius[k] - r - self.keep[k] - self.growth[k] * t;
-        }
-        gaps
+            (dx * dx + dy * dy).sqrt() - self.radius[k] - r - self.keep[k] - self.growth[k] * t
+        })
     }
 }
 
@@ -132,7 +130,7 @@ impl<'a> Crowd<'a> {
 
     /// Puts into `part` those that may make a difference to [`Crowd::around`] (for `v` m/s) and [`Crowd::nearest`] between two times (s) for a robot that is covered by
     /// `discs` at first and whose points move at most at `moves` m/s: all others are farther than near, and farther and met later than another one.
-    pub fn part(&self, discs: impl Iterator<Item = (Point, f64)> + Clone, [from, to]: [f64; 2], [v, moves]: [f64; 2], part: &mut Self) {
+    pub fn part(&self, discs: &(impl Iterator<Item = (Point, f64)> + Clone), [from, to]: [f64; 2], [v, moves]: [f64; 2], part: &mut Self) {
         let lane = |i: usize, disc: (Point, f64), sign: f64| {
             let (l, gaps) = (&self.lanes[i], self.gaps(i, disc, from));
             let change = |k: usize| sign * ((moves + l.speed[k] + l.growth[k]) * (to - from) + SURE);

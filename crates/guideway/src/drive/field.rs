@@ -221,7 +221,7 @@ impl<'a> Field<'a> {
     /// Puts into `part` those movers that may make a difference between two times (s) for a robot at `pose` first whose points move at most at `moves` m/s; what they
     /// mean is asked with `v` m/s.
     pub fn part(&self, pose: [f64; 3], span: [f64; 2], [v, moves]: [f64; 2], part: &mut Crowd<'a>) {
-        self.crowd.part(discs(self.body, pose), span, [v, moves], part);
+        self.crowd.part(&discs(self.body, pose), span, [v, moves], part);
     }
 
     /// The movers, and the radius of the disc around the reference point that covers the robot, m.

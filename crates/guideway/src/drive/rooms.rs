@@ -146,13 +146,11 @@ impl Cells {
             return None;
         }
         let mut least = self.field.at(tile);
-        for k in 0..2 {
+        for ((tile, size), ends) in tile.into_iter().zip(self.size).zip(self.ends) {
             // Beyond the part there may be anything.
-            let beyond = [f64::from(tile[k]), f64::from(self.size[k] - 1 - tile[k])];
-            for (end, tiles) in self.ends[k].into_iter().zip(beyond) {
-                if !end {
-                    least = least.min(tiles * side);
-                }
+            let beyond = [f64::from(tile), f64::from(size - 1 - tile)];
+            for (_, tiles) in ends.into_iter().zip(beyond).filter(|(end, _)| !end) {
+                least = least.min(tiles * side);
             }
         }
         Some(least - FRAC_1_SQRT_2 * side - SURE)

@@ -1,10 +1,13 @@
 """Shared fixtures: where the public data is, and whether slow tests run."""
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from pages import markup
 
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")  # the same cases every time
@@ -30,3 +33,10 @@ def data() -> Path:
         if place and Path(place).is_dir():
             return Path(place)
     pytest.skip("public data not found (set GUIDEWAY_DATA)")
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Skips where no browser runs."""
+    if shutil.which("chromium") is None or "<html" not in markup("about:blank", tmp_path_factory.mktemp("browser"))[0]:
+        pytest.skip("no chromium that runs here")

@@ -6,8 +6,6 @@ import base64
 import io
 import json
 import re
-import shutil
-import subprocess
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ from PIL import Image
 
 from guideway import view
 from guideway.view import profile, scenery
+from pages import markup
 
 report_module = import_module("guideway.view.report")
 
@@ -323,20 +322,6 @@ def test_missing_matplotlib_is_explained(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
     with pytest.raises(ImportError, match=r"guideway\[figures\]"):
         view.figure([plan()], None, tmp_path / "x")
-
-
-def markup(address: str, folder: Path) -> tuple[str, str]:
-    """A page's markup after its script ran, and what the browser logged."""
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run([*command, f"--user-data-dir={folder}/profile", address], capture_output=True, text=True, timeout=120, check=False)
-    return done.stdout, done.stderr
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Skips where no browser runs."""
-    if shutil.which("chromium") is None or "<html" not in markup("about:blank", tmp_path_factory.mktemp("browser"))[0]:
-        pytest.skip("no chromium that runs here")
 
 
 @pytest.mark.usefixtures("browser")

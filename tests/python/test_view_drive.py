@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import shutil
-import subprocess
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,6 +16,7 @@ import guideway as gw
 from guideway import schemas
 from guideway.view import report
 from guideway.view.report import MOST_NUMBERS, count, page
+from pages import drawn
 
 LAYERS = ("Plan in force, former plans", "Lidar points", "Tracked obstacles", "Reachable before rest", "Candidates, chosen", "Sub-goal")
 
@@ -111,25 +110,10 @@ def test_a_long_trace_is_thinned(drive: tuple[dict[str, Any], gw.World]) -> None
 def test_broken_traces_still_make_a_page(drive: tuple[dict[str, Any], gw.World], broken: dict[str, Any], tmp_path: Path, browser: None) -> None:
     run, world = drive
     path = report([run | {"trace": broken}], tmp_path / "run.html", world)
-    shown, complaints = markup(path.as_uri(), tmp_path)
+    shown, complaints = drawn(path.as_uri(), tmp_path)
     assert not complaints
     assert "Arrived after" in shown
     assert not any(name in shown for name in ("Lidar points", "Tracked obstacles", "Plan in force"))
-
-
-def markup(address: str, folder: Path) -> tuple[str, str]:
-    """The page as a browser leaves it, and what it complained about."""
-    command = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--virtual-time-budget=3000", "--dump-dom"]
-    done = subprocess.run([*command, f"--user-data-dir={folder / 'profile'}", address], capture_output=True, text=True, timeout=120)
-    drawn = re.sub(r"<script.*?</script>|<style.*?</style>", "", done.stdout, flags=re.S)  # what the program says is not what it shows
-    return drawn, "\n".join(line for line in done.stderr.splitlines() if "CONSOLE" in line)
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Skips where no browser runs."""
-    if shutil.which("chromium") is None or "<html" not in markup("about:blank", tmp_path_factory.mktemp("browser"))[0]:
-        pytest.skip("no chromium that runs here")
 
 
 def test_the_page_shows_every_layer_and_the_step(drive: tuple[dict[str, Any], gw.World], tmp_path: Path, browser: None) -> None:
@@ -139,7 +123,7 @@ def test_the_page_shows_every_layer_and_the_step(drive: tuple[dict[str, Any], gw
         "events": [{"t": 2.0, "kind": "stop", "reason": "no admissible command"}, {"t": 2.5, "kind": "replan", "reason": "blocked"}],
     }
     path = report([example], tmp_path / "run.html", world)
-    shown, complaints = markup(path.as_uri() + "#t=2.2", tmp_path)
+    shown, complaints = drawn(path.as_uri() + "#t=2.2", tmp_path)
     assert not complaints
     for words in LAYERS:
         assert words in shown
@@ -147,7 +131,7 @@ def test_the_page_shows_every_layer_and_the_step(drive: tuple[dict[str, Any], gw
     assert "dashed: commanded" in shown
     assert shown.count('class="bar"') >= 1
     assert 'class="replan"' in shown
-    later, complaints = markup(path.as_uri() + "#t=3.2", tmp_path)
+    later, complaints = drawn(path.as_uri() + "#t=3.2", tmp_path)
     assert not complaints
     assert "New plan: blocked by mover 0" in later
 
@@ -157,8 +141,8 @@ def test_what_a_plant_measured_is_shown(drive: tuple[dict[str, Any], gw.World], 
     rows = [[0.02 * k, 2.0 * math.sin(0.1 * k), 0.5] for k in range(200)]
     tilt = {"max": 2.0, "mean": 1.3, "rms": 1.5, "psi": 94.0, "ms": 94.8, "rows": rows}
     path = report([run | {"plant": {"name": "mujoco", "contacts": 0, "tilt": tilt}}], tmp_path / "run.html", world)
-    shown, complaints = markup(path.as_uri(), tmp_path)
+    shown, complaints = drawn(path.as_uri(), tmp_path)
     assert not complaints
     assert "Posture stability index" in shown
     assert "pitch, dashed: roll" in shown
-    assert "Measured by the plant" not in markup(report([run], tmp_path / "plain.html", world).as_uri(), tmp_path)[0]
+    assert "Measured by the plant" not in drawn(report([run], tmp_path / "plain.html", world).as_uri(), tmp_path)[0]

@@ -105,7 +105,8 @@ impl Lane {
         lane
     }
 
-    #[inline]
+    #[expect(clippy::inline_always, reason = "the innermost loop of all predictions: lanes stay in registers")]
+    #[inline(always)]
     fn gaps(&self, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
         std::array::from_fn(|k| {
             let (dx, dy) = (p[0] - self.x[k] - self.u[k] * t, p[1] - self.y[k] - self.v[k] * t);
@@ -164,7 +165,8 @@ impl<'a> Crowd<'a> {
     }
 
     /// Room of the disc of radius `r` around `p` to the movers of a lane, at constant velocity after `t` s, m.
-    #[inline]
+    #[expect(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
     fn gaps(&self, i: usize, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
         let mut gaps = self.lanes[i].gaps((p, r), t);
         if self.lanes[i].edged {

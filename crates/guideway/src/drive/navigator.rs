@@ -278,8 +278,12 @@ impl<'a> Navigator<'a> {
         let limit = if self.radius > body { body + 0.25 * (self.radius - body) } else { core + 0.5 * (self.radius - core).max(0.0) };
         let length = self.guide.course.length();
         let n = ((length - self.s) / APART).ceil().max(0.0) as usize;
-        let places = (0..=n).map(|k| self.guide.course.at_length(self.s + APART * k as f64).pose).map(|q| [q[0], q[1]]);
-        places.filter(|q| distance(*q, p) > 0.1).find(|q| world.clearance_within(*q, limit) < limit - 1e-9)
+        let places = self.guide.course.at_lengths((0..=n).map(|k| self.s + APART * k as f64));
+        places
+            .into_iter()
+            .map(|q| [q.pose[0], q.pose[1]])
+            .filter(|q| distance(*q, p) > 0.1)
+            .find(|q| world.clearance_within(*q, limit) < limit - 1e-9)
     }
 
     /// What stands in the way: tabu places and movers nearby that stand.

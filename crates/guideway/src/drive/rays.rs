@@ -186,11 +186,13 @@ pub(super) fn walk(from: Point, dir: Point, reach: f64, size: [u32; 2], mut visi
     let ([mut x, mut y], [mut across, mut up], mut t) = (cell, next, enter);
     let [w, h] = size.map(i64::from);
     while visit([x as u32, y as u32], t) {
-        if up < across {
-            (t, up, y) = (up, up + delta[1], y + step[1]);
-        } else {
-            (t, across, x) = (across, across + delta[0], x + step[0]);
-        }
+        // Without a branch, which nobody could foretell.
+        let rises = up < across;
+        t = if rises { up } else { across };
+        up += if rises { delta[1] } else { 0.0 };
+        across += if rises { 0.0 } else { delta[0] };
+        y += if rises { step[1] } else { 0 };
+        x += if rises { 0 } else { step[0] };
         if t > leave || x < 0 || y < 0 || x >= w || y >= h {
             return;
         }

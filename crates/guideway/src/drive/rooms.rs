@@ -11,6 +11,8 @@ const SIDE: f64 = 0.1;
 const MOST: f64 = 65_536.0;
 /// Half the side of the part of a map that is looked at, tiles.
 const HALF: f64 = 160.0;
+/// So many tiles may have become free before the distances are made anew; until then they are lower than they need be.
+const FREED: u32 = 8;
 /// Bounds are so much lower than they need be, m: rounding is far below.
 const SURE: f64 = 1e-5;
 
@@ -34,8 +36,8 @@ impl Rooms {
             self.cells = None;
             return;
         };
-        let kept = before.as_ref().and_then(|old| old.grid()).is_some_and(|old| same || alike(old, grid));
-        if !(kept && self.cells.as_ref().is_some_and(|cells| cells.cover(grid, p, far))) {
+        let placed = before.as_ref().and_then(|old| old.grid()).is_some_and(|old| same || in_place(old, grid));
+        if !(placed && self.cells.as_ref().is_some_and(|cells| cells.cover(grid, p, far) && (same || cells.hold(grid.blocked())))) {
             self.cells = Cells::new(grid, p, far);
         }
     }
@@ -55,9 +57,9 @@ impl Rooms {
     }
 }
 
-/// The same cells in the same place?
-fn alike(a: &Grid, b: &Grid) -> bool {
-    a.resolution() == b.resolution() && a.origin() == b.origin() && a.blocked() == b.blocked()
+/// Cells of the same size in the same place?
+fn in_place(a: &Grid, b: &Grid) -> bool {
+    a.resolution() == b.resolution() && a.origin() == b.origin() && [a.width(), a.height()] == [b.width(), b.height()]
 }
 
 /// Distances from shapes, tile by tile, each when it is first asked for.
@@ -102,6 +104,7 @@ struct Cells {
     size: [u32; 2],
     /// Does the part end where the map ends? Low and high, columns and rows.
     ends: [[bool; 2]; 2],
+    tiles: Bits,
     field: Arc<ClearanceField>,
 }
 
@@ -120,9 +123,24 @@ impl Cells {
         if size.contains(&0) {
             return None;
         }
-        let tiles = Grid::new(coarse(grid.blocked(), by, (low, size)), None, side * f64::from(by), [0.0; 3]).ok()?;
+        let tiles = coarse(grid.blocked(), by, (low, size));
+        let coarse = Grid::new(tiles.clone(), None, side * f64::from(by), [0.0; 3]).ok()?;
         let ends = [0, 1].map(|k| [low[k] == 0, low[k] + size[k] == whole[k]]);
-        Some(Self { by, low, size, ends, field: World::from_grid(tiles).clearance_field() })
+        Some(Self { by, low, size, ends, tiles, field: World::from_grid(coarse).clearance_field() })
+    }
+
+    /// Do the distances still hold, and are they nearly what they could be?
+    fn hold(&self, blocked: &Bits) -> bool {
+        let (new, mut freed) = (coarse(blocked, self.by, (self.low, self.size)), 0);
+        for y in 0..self.size[1] {
+            for (new, old) in new.row(y).iter().zip(self.tiles.row(y)) {
+                if new & !old != 0 {
+                    return false;
+                }
+                freed += (old & !new).count_ones();
+            }
+        }
+        freed <= FREED
     }
 
     /// Is all that is within `far` m of `p` known?

@@ -13,6 +13,8 @@ use crate::world::shape::wrap;
 const ALIKE: [[f64; 3]; 2] = [[0.04, 0.15, 0.12], [0.25, 0.6, 0.3]];
 /// So many times as many plans are kept after the first level.
 const WIDER: usize = 2;
+/// Room for so many plans is made at first.
+const MOST: usize = 512;
 /// Rank of plans that meet something, and what each second until then is worth.
 const LOST: f64 = -1e3;
 const SECOND: f64 = 10.0;
@@ -87,7 +89,8 @@ impl<'a> Search<'a> {
     ) -> Plans {
         let root =
             Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
-        let (mut nodes, mut open, mut ended) = (vec![root], vec![0], Vec::new());
+        let (mut nodes, mut open, mut ended) = (Vec::with_capacity(MOST), vec![0], Vec::new());
+        nodes.push(root);
         let (mut list, mut part) = (Vec::new(), Crowd::<'a>::new(Vec::new()));
         for (level, until) in self.levels.iter().enumerate() {
             let from = nodes.len();

@@ -66,16 +66,7 @@ impl World {
             fold(1, f64::max, f64::NEG_INFINITY),
         ];
         let resolution = grid.resolution();
-        Self {
-            grid: Some(grid),
-            shapes: Vec::new(),
-            bounds,
-            resolution,
-            movers: Vec::new(),
-            lattices: Mutex::default(),
-            squares: OnceLock::new(),
-            field: OnceLock::new(),
-        }
+        Self::bare(Some(grid), Vec::new(), bounds, resolution)
     }
 
     /// A continuous world: `bounds` = [x0, y0, x1, y1] in m, shapes, and the `resolution` (m) of the lattice that grid planners see.
@@ -91,16 +82,13 @@ impl World {
             let allowed = format!("a positive cell side in m that gives at most {MAX_CELLS} cells, sides up to {MAX_SIDE} cells");
             return Err(PlanError::bad("world.resolution", resolution, allowed));
         }
-        Ok(Self {
-            grid: None,
-            shapes,
-            bounds,
-            resolution,
-            movers: Vec::new(),
-            lattices: Mutex::default(),
-            squares: OnceLock::new(),
-            field: OnceLock::new(),
-        })
+        Ok(Self::bare(None, shapes, bounds, resolution))
+    }
+
+    /// A static world of which nothing is computed yet.
+    fn bare(grid: Option<Grid>, shapes: Vec<Shape>, bounds: [f64; 4], resolution: f64) -> Self {
+        let (lattices, squares, field) = (Mutex::default(), OnceLock::new(), OnceLock::new());
+        Self { grid, shapes, bounds, resolution, movers: Vec::new(), lattices, squares, field }
     }
 
     /// Adds analytic shapes to the static world.

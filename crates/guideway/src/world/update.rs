@@ -3,7 +3,7 @@
 use super::distance::SquareField;
 use super::{Bits, Cell, Grid, Shape, World};
 use crate::error::PlanError;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, OnceLock};
 
 impl World {
     /// The same world with these cells of its map blocked (true) or free, the last change of a cell counting. Distances that were computed are brought up to date, and
@@ -47,16 +47,7 @@ impl World {
 
     /// This world's frame with another content of which nothing is computed.
     fn changed(&self, grid: Option<Grid>, shapes: Vec<Shape>) -> Self {
-        Self {
-            grid,
-            shapes,
-            bounds: self.bounds,
-            resolution: self.resolution,
-            movers: Vec::new(),
-            lattices: Mutex::default(),
-            squares: OnceLock::new(),
-            field: OnceLock::new(),
-        }
+        Self::bare(grid, shapes, self.bounds, self.resolution)
     }
 }
 

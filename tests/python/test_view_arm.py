@@ -15,6 +15,7 @@ import pytest
 
 import guideway as gw
 from guideway import cli, view
+from guideway.arm import skeleton
 from guideway.view import arm_course
 
 JOINTS = ["base_joint", "elbow_joint"]
@@ -289,6 +290,42 @@ def test_surfaces_are_packed_to_a_tenth_of_a_millimetre(real: Any) -> None:
         faces = np.frombuffer(base64.b64decode(part["faces"]), "<u2").reshape(-1, 3)
         assert np.array(part["origin"]) + part["scale"] * steps == pytest.approx(whole["corners"], abs=1e-4)
         assert np.array_equal(faces, whole["faces"])
+
+
+def test_obstacles_and_tools_are_placed(tmp_path: Path) -> None:
+    shapes = [{"kind": "box", "name": "table", "size": [1.0, 2.0, 0.1], "at": [3.0, 0.0, 0.0]}, {"kind": "sphere", "radius": 0.2, "at": [0, 0, 1.0]},
+              {"kind": "mesh", "file": str(tmp_path / "none.stl")}]  # fmt: skip
+    tool = [{"kind": "cylinder", "name": "gripper", "radius": 0.1, "length": 0.4, "at": [0, 0, 0.2]}]
+    record = traj(
+        certificate={"ok": True, "checks": [], "collision": {"ok": True, "pairs": 2, "closest": None, "scene": {"shapes": shapes, "tool": tool}}}
+    )
+    table, ball, gripper = gw.arm.obstacles(record["robot"], record["certificate"]["collision"]["scene"])
+    assert (table["corners"].min(axis=0), table["corners"].max(axis=0)) == (pytest.approx([2.5, -1, -0.05]), pytest.approx([3.5, 1, 0.05]))
+    assert np.linalg.norm(ball["corners"] - [0, 0, 1.0], axis=1).max() == pytest.approx(0.2)
+    assert gripper["joint"] == 2  # on the hand, 0.5 m along the last link
+    assert gripper["corners"].mean(axis=0) == pytest.approx([0.5, 0, 0.2], abs=1e-6)
+    assert [part["name"] for part in motion_of(record)["around"]] == ["table", "sphere", "gripper"]
+
+
+def test_closed_surfaces_turn_outwards() -> None:
+    """The volume inside, by the divergence theorem: positive where all faces turn outwards."""
+    shapes = [{"kind": "box", "size": [1, 2, 3]}, {"kind": "cylinder", "radius": 1, "length": 2}, {"kind": "sphere", "radius": 1}]
+    for part, volume, within in zip(gw.arm.obstacles({}, {"shapes": shapes}), (6.0, 2 * np.pi, 4 / 3 * np.pi), (1e-9, 0.02, 0.05), strict=True):
+        a, b, c = (part["corners"][part["faces"][:, k]] for k in range(3))
+        assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 == pytest.approx(volume, rel=within)
+
+
+def test_dense_meshes_are_simplified() -> None:
+    angle = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle)], 1)
+    height = np.linspace(-1, 1, 60)
+    points = np.array([[*(ring[i] * np.sqrt(1 - h * h)), h] for h in height for i in range(120)]).reshape(60, 120, 3)
+    quads = np.stack([points[:-1], np.roll(points, -1, 1)[:-1], np.roll(points, -1, 1)[1:], points[1:]], 2)
+    triangles = np.concatenate([quads[:, :, [0, 1, 2]], quads[:, :, [0, 2, 3]]]).reshape(-1, 3, 3)
+    corners, faces = skeleton.simplified(triangles)
+    assert len(triangles) > 2 * skeleton.MOST_TRIANGLES >= 2 * len(faces)
+    assert np.abs(np.linalg.norm(corners, axis=1) - 1).max() < 1e-9  # corners are kept, not moved
+    assert len(faces) > 400
 
 
 def markup(address: str, folder: Path) -> tuple[str, str]:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from guideway.arm.paths import JointPath, all_branches, arm_for, joint_path, load_way_points
     from guideway.arm.rows import torque_coefficients, torque_rows
     from guideway.arm.shapes import Scene, load_scene
-    from guideway.arm.skeleton import chain, surfaces
+    from guideway.arm.skeleton import chain, obstacles, surfaces
     from guideway.arm.timing import time
 
 _HOME = {
@@ -43,7 +43,7 @@ _HOME = {
     **dict.fromkeys(("JointPath", "all_branches", "arm_for", "joint_path", "load_way_points"), "paths"),
     **dict.fromkeys(("torque_coefficients", "torque_rows"), "rows"),
     **dict.fromkeys(("Scene", "load_scene"), "shapes"),
-    **dict.fromkeys(("chain", "surfaces"), "skeleton"),
+    **dict.fromkeys(("chain", "obstacles", "surfaces"), "skeleton"),
     "time": "timing",
 }
 
@@ -75,6 +75,7 @@ __all__ = [
     "load_nurbs",
     "load_scene",
     "load_way_points",
+    "obstacles",
     "record",
     "robot",
     "ros_yaml",

@@ -146,8 +146,8 @@ def check(surroundings: Surroundings, path: Path, clearance: float | None = None
     """Whether the arm keeps ``clearance`` (m; default that of the scene) from itself and its surroundings all along a path.
 
     Returns ``ok``, ``pairs`` (how many were checked), ``dropped``, ``closest`` (``pair``, sampled ``distance`` in m, ``s``), ``proved`` (a lower
-    bound of all distances between and at the samples, m) and, where it is not kept, ``hit`` (``pair``, ``s``, ``distance``). ``end``: only up to
-    there, rad.
+    bound of all distances between and at the samples, m), where it is not kept, ``hit`` (``pair``, ``s``, ``distance``), and the ``scene`` with
+    its ``shapes`` and the ``tool``. ``end``: only up to there, rad.
     """
     need = surroundings.scene.clearance if clearance is None else clearance
     length = path.length if end is None else end
@@ -180,6 +180,7 @@ def check(surroundings: Surroundings, path: Path, clearance: float | None = None
         "closest": closest,
         "proved": None if math.isinf(proved) else proved,
         "hit": hit,
+        "scene": {"shapes": [dict(shape) for shape in surroundings.scene.shapes], "tool": [dict(shape) for shape in surroundings.scene.tool]},
     }
 
 

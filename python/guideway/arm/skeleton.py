@@ -89,6 +89,40 @@ def surfaces(robot: Mapping[str, Any]) -> list[dict[str, Any]]:
     return found
 
 
+def obstacles(robot: Mapping[str, Any], scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What stood around an arm and what its tip carried, from the ``scene`` of a collision check (``shapes`` and ``tool``), as of :func:`surfaces`,
+    each with its ``name`` and ``part``: "scene" or "tool". Meshes whose file is not at hand are left out."""
+    from guideway.arm.shapes import pose_of
+
+    frame = robot.get("chain")
+    links = {str(link["name"]): link for link in frame["links"]} if isinstance(frame, Mapping) else {}
+    tip = links.get(str(frame["tip"])) if isinstance(frame, Mapping) else None
+    found: list[dict[str, Any]] = []
+    for part, key in (("scene", "shapes"), ("tool", "tool")):
+        carrier = np.eye(4)[:3] if part == "scene" else np.asarray(tip["pose"], float).reshape(3, 4) if tip is not None else None
+        for shape in scene.get(key) or []:
+            triangles = _shape(shape)
+            if triangles is None or carrier is None:
+                continue
+            pose = carrier @ pose_of(shape.get("at") or (0, 0, 0), shape.get("rpy") or (0, 0, 0))
+            corners, faces = simplified(triangles @ pose[:, :3].T + pose[:, 3])
+            joint = int(tip["joint"]) if part == "tool" and tip is not None else 0
+            found.append({"part": part, "name": str(shape.get("name") or shape.get("kind")), "joint": joint, "corners": corners, "faces": faces})
+    return found
+
+
+def _shape(shape: Mapping[str, Any]) -> Floats | None:
+    """Triangles of a shape of a scene, before it is placed."""
+    if shape.get("kind") == "mesh":
+        try:
+            return load_stl(str(shape["file"])) * float(shape.get("scale") or 1.0)
+        except (BadFile, OSError):
+            return None
+    element = Element(str(shape.get("kind")), {key: str(shape[key]) for key in ("radius", "length") if key in shape})
+    element.set("size", " ".join(str(value) for value in shape.get("size") or ()))
+    return _solid(element)
+
+
 def _description(robot: Mapping[str, Any]) -> str | None:
     """The file of the robot's description: where the record says, else the one that ships with the package."""
     source = robot.get("source")

@@ -13,7 +13,7 @@ import numpy as np
 
 from guideway.files import write_whole
 
-from .arm_bodies import bodies
+from .arm_bodies import around, bodies
 from .arm_course import course, phase, stretches
 from .geometry import listed
 from .report import clean, embed, fill
@@ -104,6 +104,7 @@ def motion_of(record: Mapping[str, Any], among: int = 1) -> dict[str, Any]:
         "stretches": clean(stretches(record, found), ROUNDED),
         "trials": clean(trials_of(record), ROUNDED),
         "oracle": clean(profile(record.get("oracle")), ROUNDED),
+        "around": around(record),
     }
 
 

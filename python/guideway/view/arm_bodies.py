@@ -32,6 +32,30 @@ def bodies(robot: Any) -> list[dict[str, Any]] | None:
     return [packed(part) for part in found]
 
 
+def around(record: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What stood around the arm when collisions were checked, and its tool: as of :func:`bodies`, each with ``name`` and ``part``."""
+    certificate = record.get("certificate")
+    collision = certificate.get("collision") if isinstance(certificate, Mapping) else None
+    scene = collision.get("scene") if isinstance(collision, Mapping) else None
+    robot = record.get("robot")
+    if not isinstance(scene, Mapping) or not isinstance(robot, Mapping):
+        return []
+    from guideway.arm import obstacles
+    from guideway.errors import GuidewayError
+
+    try:
+        found = obstacles(robot, scene)
+    except (GuidewayError, OSError, AttributeError, KeyError, TypeError, ValueError):
+        return []
+    kept: list[dict[str, Any]] = []
+    faces = 0
+    for part in found:
+        faces += len(part["faces"])
+        if faces <= MOST_FACES:
+            kept.append(packed(part) | {"name": part["name"], "part": part["part"]})
+    return kept
+
+
 def packed(part: Mapping[str, Any]) -> dict[str, Any]:
     """One link."""
     corners = np.asarray(part["corners"], float)

@@ -64,7 +64,7 @@ function makeRenderer(canvas) {
     gl.vertexAttribPointer(kind.at[name], width, gl.FLOAT, false, 0, 0);
   };
 
-  const mesh = ({ joint, corners, normals }) => ({ joint, p: buffer(corners), n: buffer(normals), count: corners.length / 3 });
+  const mesh = ({ joint, part, name, corners, normals }) => ({ joint, part, name, p: buffer(corners), n: buffer(normals), count: corners.length / 3 });
 
   /** Lines from segments [[x, y, z], [x, y, z], colour, colour], colours of four numbers. */
   const lines = (segments) => {
@@ -108,7 +108,7 @@ function makeRenderer(canvas) {
       feed(body, "n", part.n, 3);
       const pose = glPose(poses[part.joint] || STILL);
       gl.uniformMatrix4fv(body.set.place, false, flat ? glTimes(flat, pose) : pose);
-      gl.uniform4fv(body.set.colour, colourOf(part.joint));
+      gl.uniform4fv(body.set.colour, colourOf(part));
       gl.drawArrays(gl.TRIANGLES, 0, part.count);
     }
   };
@@ -120,7 +120,7 @@ function makeRenderer(canvas) {
       show(meshes, poses, colourOf, null);
       gl.colorMask(true, true, true, true);
     }
-    show(meshes, poses, (joint) => [...colourOf(joint).slice(0, 3), alpha], null);
+    show(meshes, poses, (one) => [...colourOf(one).slice(0, 3), alpha], null);
   };
 
   /** What the links take of the light on the floor; `flat` lays them on it. */

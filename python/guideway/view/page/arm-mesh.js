@@ -7,13 +7,13 @@ function bytesOf(text) {
   return Uint8Array.from(raw, (letter) => letter.charCodeAt(0)).buffer;
 }
 
-/** A link of the report: { joint, corners, normals }, nine numbers a triangle; null where it cannot be read. */
+/** A body of the report: { joint, part, name, corners, normals }, nine numbers a triangle; null where it cannot be read. */
 function unpack(part) {
   try {
     const steps = new Int16Array(bytesOf(part.corners));
     const faces = new Uint16Array(bytesOf(part.faces));
     const points = Float32Array.from(steps, (step, i) => step * part.scale + part.origin[i % 3]);
-    return { joint: part.joint, ...shaded(points, faces) };
+    return { joint: part.joint, part: part.part || "arm", name: part.name, ...shaded(points, faces) };
   } catch {
     return null;
   }
@@ -52,8 +52,8 @@ function shaded(points, faces) {
 
 /** Unit vectors across a direction. */
 function across([x, y, z]) {
-  const length = Math.hypot(x, y, z) || 1;
-  const d = [x / length, y / length, z / length];
+  const length = Math.hypot(x, y, z);
+  const d = length > 0 ? [x / length, y / length, z / length] : [0, 0, 1];
   const helper = Math.abs(d[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
   const u = [d[1] * helper[2] - d[2] * helper[1], d[2] * helper[0] - d[0] * helper[2], d[0] * helper[1] - d[1] * helper[0]];
   const size = Math.hypot(...u) || 1;
@@ -81,7 +81,7 @@ function capsule(from, to, radius, joint) {
       faces.push(a, b, b + sides, a, b + sides, a + sides);
     }
   }
-  return { joint, ...shaded(Float32Array.from(points), Uint32Array.from(faces)) };
+  return { joint, part: "arm", ...shaded(Float32Array.from(points), Uint32Array.from(faces)) };
 }
 
 /** Capsules from each joint to the joints that it carries and to the tip. */

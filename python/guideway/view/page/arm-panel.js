@@ -37,7 +37,7 @@ function troubles(motion) {
     return `${capital(words(check.name || "check"))} failed${when}${finite(check.gap) ? `: off by ${show(check.gap)}` : ""}.`;
   });
   const { hit } = record(certificate.collision);
-  if (hit) out.push(`${capital(plain(record(hit).pair))} ${number(record(hit).distance) <= 0 ? "overlap" : `come as near as ${show(record(hit).distance)} m`} at ${show(record(hit).s)} rad of the path.`);
+  if (hit) out.push(`${capital(words(plain(record(hit).pair)))} ${number(record(hit).distance) <= 0 ? "overlap" : `come as near as ${show(1000 * record(hit).distance)} mm`} at ${show(record(hit).s)} rad of the path.`);
   return out;
 }
 

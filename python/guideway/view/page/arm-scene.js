@@ -140,7 +140,10 @@ function makeScene(host, solid, over, scene, link) {
   const colourOf = (t) => {
     const [body, worst] = [inkOf("--body"), motion.useAt(t)];
     const inks = worst.map((share, j) => blend(body, inkOf(`--joint-${j % 8}`), 0.8 * clamp((share - 0.8) / 0.19, 0, 1) ** 2));
-    return (joint) => {
+    const [wall, tool, bad] = ["--obstacle", "--load", "--bad"].map((name) => inkOf(name));
+    return ({ joint, part, name }) => {
+      if (part === "scene") return name && motion.hits.includes(name) ? bad : wall;
+      if (part && part !== "arm") return tool;
       const driver = motion.chain.driver(joint);
       return driver === null || !inks[driver] ? body : inks[driver];
     };
@@ -170,8 +173,9 @@ function makeScene(host, solid, over, scene, link) {
     renderer.stroke(made.path, 2.3 * scale);
     renderer.bodies(made.meshes, poses, colourOf(now.t));
     const body = inkOf("--body");
-    if (now.ghosts) for (const ghost of motion.ghosts) renderer.bodies(made.meshes, ghost, () => body, 0.3);
-    if (now.ghost !== null) renderer.bodies(made.meshes, motion.posesAt(now.ghost), () => inkOf("--accent"), 0.4);
+    const moving = made.meshes.filter((part) => part.part !== "scene" && part.joint > 0);
+    if (now.ghosts) for (const ghost of motion.ghosts) renderer.bodies(moving, ghost, () => body, 0.3);
+    if (now.ghost !== null) renderer.bodies(moving, motion.posesAt(now.ghost), () => inkOf("--accent"), 0.4);
   };
 
   /** Without WebGL: the chain as thick lines, the far ones first. */
@@ -191,10 +195,10 @@ function makeScene(host, solid, over, scene, link) {
     const bones = (all) => motion.chain.joints.map((joint, k) => [all[joint.parent], all[k + 1], k]).concat([[all[motion.chain.tip.joint], motion.chain.tipOf(all), motion.chain.tip.joint - 1]]);
     const unit = camera.height / (2 * Math.tan(FIELD / 2));
     const limbs = (all, colour, alpha) => bones(all).map(([from, to, k]) => [originOf(from), originOf(to), k]).sort((one, two) => (camera.pixel(two[1]) || [0, 0, 0])[2] - (camera.pixel(one[1]) || [0, 0, 0])[2])
-      .forEach(([from, to, k]) => line(from, to, Math.max(3, (motion.thick * unit) / camera.far), cssOf(colour(k), alpha)));
+      .forEach(([from, to, k]) => line(from, to, Math.max(3, (motion.thick * unit) / camera.far), cssOf(colour({ joint: k + 1 }), alpha)));
     if (now.ghosts) for (const ghost of motion.ghosts) limbs(ghost, () => inkOf("--body"), 0.2);
     const colour = colourOf(now.t);
-    limbs(poses, (k) => colour(k).map((value, c) => (c < 3 ? value * (0.82 + 0.06 * (k % 3)) : value)), 1);
+    limbs(poses, (one) => colour(one).map((value, c) => (c < 3 ? value * (0.82 + 0.06 * (one.joint % 3)) : value)), 1);
   };
   const lineTo2 = (path, p, q) => {
     path.moveTo(p[0], p[1]);

@@ -35,7 +35,9 @@ function makeMotion(source, index) {
   motion.postureAt = (t) => joints.map((_, j) => number(lookUp(course.t, list(list(course.q)[j]), t)));
   motion.posesAt = (t) => motion.chain.place(motion.postureAt(t));
   motion.useAt = useOf(motion);
-  if (motion.chain && list(course.q).length === joints.length && course.t.length > 1) addTool(motion, data.bodies);
+  const hit = record(record(record(motion.certificate).collision).hit);
+  motion.hits = hit.pair ? String(hit.pair).split(" and ") : [];
+  if (motion.chain && list(course.q).length === joints.length && course.t.length > 1) addTool(motion, data);
   else motion.chain = null;
   return motion;
 }
@@ -50,7 +52,7 @@ function useOf(motion) {
 }
 
 /** The tool's path and speed, poses along the way, what the first view shows. */
-function addTool(motion, bodies) {
+function addTool(motion, { bodies, around }) {
   const { chain, course } = motion;
   const places = course.t.map((t) => chain.place(motion.postureAt(t)));
   motion.tool = places.map((poses, i) => ({ t: course.t[i], at: originOf(chain.tipOf(poses)), pace: 0 }));
@@ -63,9 +65,9 @@ function addTool(motion, bodies) {
   motion.fastest = Math.max(...motion.tool.map((row) => row.pace));
   motion.ghosts = Array.from({ length: GHOSTS }, (_, k) => motion.posesAt((motion.duration * (k + 0.5)) / GHOSTS));
   const surfaces = list(list(bundle.surfaces)[bodies]).map(record).map(unpack).filter(Boolean);
-  motion.parts = surfaces.length ? surfaces : capsulesOf(chain);
+  motion.parts = [...(surfaces.length ? surfaces : capsulesOf(chain)), ...list(around).map(record).map(unpack).filter(Boolean), ...loadOf(motion)];
   const hull = [motion.tool.map((row) => row.at)];
-  for (const part of motion.parts) {
+  for (const part of motion.parts.filter((one) => one.part !== "scene")) {
     const step = 9 * Math.max(1, Math.ceil(part.corners.length / 9 / 60));
     for (const poses of [places[0], ...motion.ghosts]) {
       const some = [];
@@ -82,6 +84,22 @@ function addTool(motion, bodies) {
   motion.thick = 0.09 * size;
   const middle = [0, 1].map((c) => motion.tool.reduce((sum, row) => sum + row.at[c], 0) / motion.tool.length);
   motion.yaw = Math.atan2(middle[1], middle[0]) + 0.85;
+}
+
+/** The payload as a ball of its mass, 1.5 kg a litre, at its centre. */
+function loadOf(motion) {
+  const { mass, at } = record(record(motion.robot).payload);
+  if (!(mass > 0) || list(at).length !== 3 || !at.every(finite)) return [];
+  const center = moved(motion.chain.tip.pose, at);
+  return [{ ...capsule(center, center, Math.cbrt((3 * mass) / (4 * Math.PI * 1500)), motion.chain.tip.joint), part: "load" }];
+}
+
+/** When a motion is first shown: where something went wrong, else some way along. */
+function firstTime(motion) {
+  const failed = list(record(motion.certificate).checks).map(record).find((check) => check.ok === false && finite(check.t));
+  const hit = record(record(record(motion.certificate).collision).hit);
+  if (finite(hit.s) && list(motion.course.s).length) return number(motion.course.t[Math.min(motion.course.t.length - 1, floorIndex(motion.course.s, hit.s) + 1)]);
+  return failed ? failed.t : 0.3 * motion.duration;
 }
 
 // ---- pictures ----
@@ -195,12 +213,15 @@ function refresh() {
 function sceneKeys(motion) {
   if (!motion.chain) return [];
   const lit = motion.stretches.length || motion.limits.speed ? [make("div", { class: "wide" }, "Coloured links: their joint is near a limit.")] : [];
+  const load = number(record(record(motion.robot).payload).mass);
+  if (load > 0) lit.unshift(make("div", { class: "wide" }, `Ball: payload of ${trimmed(load)} kg.`));
   return [make("div", { class: "ramp" }, "Tool 0", make("i", {}), `${show(motion.fastest)} m/s`), make("div", {}, `Floor: squares of ${trimmed(motion.floor.step)} m.`), ...lit];
 }
 
 function choose(i) {
   state.active = i;
   state.joint = null;
+  state.t = firstTime(current());
   refresh();
 }
 
@@ -282,7 +303,7 @@ function start() {
   byId("ghosts").addEventListener("click", toggleGhosts);
   watchKeys();
   const asked = Number((/\bt=([\d.]+)/.exec(location.hash) || [])[1]);
-  state.t = finite(asked) ? asked : 0.3 * duration();
+  state.t = finite(asked) ? asked : firstTime(current());
   const joint = Number((/\bjoint=(\d+)/.exec(location.hash) || [])[1]) - 1;
   if (joint >= 0 && joint < current().joints.length) state.joint = joint;
   refresh();

@@ -278,6 +278,17 @@ class TestMuJoCo:
         assert run["plant"]["contacts"] == 0
         assert run["plant"]["tilt"]["max"] < 10
 
+    def test_w0_with_its_movers_is_driven_by_the_default_controller(self):
+        world = gw.scenes.load("w0", seed=0).query("dynamic").world
+        query = gw.Query(world, (0.0, 0.0), (5.0, 3.0), footprint=gw.Disc(0.25), clearance=0.05)
+        motion = gw.time(gw.plan(query).path, gw.Limits(1.0, 1.0, jerk=4.0, turn_rate=2.0, turn_acceleration=4.0))
+        run = gw.drive(query, motion, plant="mujoco", seed=0, set={"error": 0.04})  # springs let the body lean out of its footprint
+        assert (run["outcome"], run["collision"]) == ("arrived", None)
+        assert run["min_separation"] > 0.0
+        assert run["plant"]["contacts"] == 0
+        assert run["plant"]["tilt"]["max"] < 5.0
+        assert run["plant"]["slip"]["max"] < 0.2
+
     def test_a_simulation_that_comes_apart_is_an_error(self, corridor):
         plant = self.base(corridor)
         plant.data.qvel[:] = 1e7

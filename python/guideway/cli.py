@@ -1,4 +1,4 @@
-"""The command line: ``guideway demo | plan | drive | maps | view``.
+"""The command line: ``guideway demo | plan | drive | arm | maps | view``.
 
 Exit status: 0 success, 2 bad input, 3 no result, 130 Ctrl-C. Errors are one short paragraph on stderr; ``--debug`` shows the traceback.
 """
@@ -20,6 +20,7 @@ VERBS = {
     "demo": "the main job on a real map that ships with the package",
     "plan": "plan, smooth, time and certify a path on a map or in a scene",
     "drive": "drive a planned motion in a world that moves",
+    "arm": "time-optimal motions of robot arms along a path",
     "maps": "look at maps, convert them, make new ones",
     "view": "one self-contained HTML report from results",
 }
@@ -29,6 +30,7 @@ EXAMPLES = """examples:
   guideway plan warehouse.yaml --start=-5.4,-19 --goal 9.5,21.5 --footprint disc:0.35 --out plan.json --report plan.html
   guideway plan --list
   guideway drive plan.json --report run.html
+  guideway arm time --nurbs star --robot ur5e --out traj.json
   guideway maps info warehouse.yaml
   guideway view plan.json run.json --out report.html"""
 

@@ -86,17 +86,7 @@ def slowed(motion: ArmMotion, t: float, factor: float) -> ArmMotion:
     s0, v0 = motion.along(t)[0, :2]
     if v0 <= 0 or t >= motion.duration:
         return motion if t > 0 else replace(motion, pieces=motion.pieces[:0])
-    length = motion.path.path.length
-    way, count, done = max(v0 * v0 / 2, 1e-6), 32, False
-    while not done:  # first roughly, until the way of the brake is known; then in fine steps over it
-        way = min(way, length - s0)
-        s, x, met = _descend(motion, np.linspace(s0, s0 + way, count + 1), v0 * v0, factor)
-        if met:
-            done, way, count = count == STEPS, 1.1 * (s[-1] - s0), STEPS
-        elif way < length - s0:
-            way *= 2
-        else:
-            break
+    s, x = _way(motion, float(s0), float(v0), factor)
     head, brake = motion.cut(t), _pieces(s, x, t)
     end = float(brake[-1, 0] + brake[-1, 5])
     pieces = np.concatenate([head, brake])
@@ -108,6 +98,18 @@ def slowed(motion: ArmMotion, t: float, factor: float) -> ArmMotion:
         pieces = np.concatenate([pieces, tail])
     report = {"from": t, "ends": end, "way": float(s[-1] - s0), "factor": factor, "worst": _worst(motion, brake)}
     return replace(motion, pieces=pieces, report=motion.report | {"brake": report})
+
+
+def _way(motion: ArmMotion, s0: float, v0: float, factor: float) -> tuple[Floats, Floats]:
+    """Places and squared path speeds of the brake: first roughly, until its way is known, then in fine steps over it."""
+    left = motion.path.path.length - s0
+    way, count = max(v0 * v0 / 2, 1e-6), 32
+    while True:
+        way = min(way, left)
+        s, x, met = _descend(motion, np.linspace(s0, s0 + way, count + 1), v0 * v0, factor)
+        if (met and count == STEPS) or (not met and way >= left):
+            return s, x
+        way, count = (1.1 * (float(s[-1]) - s0), STEPS) if met else (2 * way, count)
 
 
 def _descend(motion: ArmMotion, s: Floats, x0: float, factor: float) -> tuple[Floats, Floats, bool]:

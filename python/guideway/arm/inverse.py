@@ -207,11 +207,17 @@ def _creep(solver: Solver, pose_at: Callable[[Floats], Floats], span: tuple[floa
             at, q, step = to, found, 2 * step
         elif step > least:
             step /= 2
-        elif reached or _smallest(solver.arm, q) < 0.02:
+        elif reached or _reachable(solver, pose_at(np.array([end]))[0]):
             raise _singular(solver.arm, pose, to, _smallest(solver.arm, q))
         else:
             raise _unreachable(solver, pose, found, f" at {100 * to:.4g} % of the path")
     return q
+
+
+def _reachable(solver: Solver, pose: Floats, draws: int = 60) -> bool:
+    """Does any posture reach the pose? Then it was a singular posture that stood in the way, not the end of the arm."""
+    guesses = np.random.default_rng(0).uniform(-math.pi, math.pi, (draws, solver.arm.joints))
+    return any(solver.solve(solver.target(pose), guess)[1] for guess in guesses)
 
 
 def _smallest(arm: Arm, q: Floats) -> float:

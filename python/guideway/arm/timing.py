@@ -57,23 +57,7 @@ def time(
             raise BadParameter("torque limits need an arm: give arm=, or leave torque out")
         rows_of.check_static(arm, given.path, asked)
     rows, names, ceiling = demands(arm, given.path, asked, torque is not False)
-    joints = len(given.names)
-    rough = asked.jerk is None and asked.torque_rate is None
-    core: Any = _core
-    found = core.time_joints(
-        given.path,
-        asked.to_dict(joints),
-        method=method,
-        rows=rows,
-        row_names=names,
-        ceiling=ceiling,
-        start_speed=start_speed,
-        end_speed=end_speed,
-        grid=grid,
-        jerk=not rough if jerk is None else jerk,
-        windows=windows,
-        observe=observe,
-    )
+    found = _solve(given, asked, method, jerk, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
     motion = _motion(found, given, asked, arm, method)
     if check and len(motion.pieces):
         certificate = motion.certify(collisions=False)
@@ -81,6 +65,20 @@ def time(
         if not certificate["ok"] and grid is None:
             raise CertificateFailed("timing: " + "; ".join(_failed(check) for check in certificate["checks"] if not check["ok"]))
     return motion
+
+
+def _solve(path: JointPath, asked: JointLimits, method: str, jerk: bool | None, demanded: Any, *others: Any) -> Any:
+    """The core's solver; what it need not know of is left out."""
+    core: Any = _core
+    rows, names, ceiling = demanded
+    smooth = (asked.jerk is not None or asked.torque_rate is not None) if jerk is None else jerk
+    words: dict[str, Any] = dict(zip(("start_speed", "end_speed", "grid", "windows", "observe"), others, strict=True))
+    words = {key: value for key, value in words.items() if value is not None}
+    counts = ("speed", "acceleration", "deceleration", *(("jerk", "torque_rate") if smooth else ()))
+    limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
+    if smooth:
+        words["jerk"] = True
+    return core.time_joints(path.path, limits, method=method, rows=rows, row_names=names, ceiling=ceiling, **words)
 
 
 def _failed(check: dict[str, Any]) -> str:
@@ -142,5 +140,5 @@ def demands(arm: Arm | None, path: _core.Path, limits: JointLimits, torque: bool
 
 def _motion(found: Any, path: JointPath, limits: JointLimits, arm: Arm | None, method: str) -> ArmMotion:
     grid = {"s": np.asarray(found.s), "x": np.asarray(found.x), "mvc": np.asarray(found.mvc), "active": list(found.active)}
-    report = {"method": method, "solver": found.report, "price": found.price}
+    report = {"method": method, "solver": found.report, "price": getattr(found, "price", None)}
     return ArmMotion(path, pieces_of(found.pieces), limits, arm, grid, report)

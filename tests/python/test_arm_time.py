@@ -1,0 +1,149 @@
+"""Time-optimal motion of arms against the reference values, the two methods against each other, tip limits, jerk."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pinocchio")
+
+import guideway as gw
+from guideway.arm.paths import arm_for
+
+KINEMATIC = {5: 2.7007, 10: 1.9097, 20: 1.3554}
+LIMITED = {
+    (5, 0): 2.7214,
+    (5, 3): 2.7214,
+    (5, 5): 2.7811,
+    (10, 0): 2.0696,
+    (10, 3): 2.0708,
+    (10, 5): 2.2999,
+    (20, 0): 1.7358,
+    (20, 3): 1.8116,
+    (20, 5): 2.1612,
+}
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return arm_for(gw.arm.robot("ur5e", friction=gw.arm.REFERENCE_FRICTION), gw.arm.star())
+
+
+@pytest.fixture(scope="module")
+def star_path(arm):
+    return gw.arm.joint_path(arm, gw.arm.star())
+
+
+def limits(acceleration, **others):
+    return gw.arm.JointLimits(speed=np.pi, acceleration=acceleration, **others)
+
+
+@pytest.mark.parametrize("method", ["reachability", "bisection"])
+@pytest.mark.parametrize("acceleration", [5, 10, 20])
+def test_kinematic_reference_values(star_path, acceleration, method):
+    motion = gw.arm.time(star_path, limits(acceleration), method=method)
+    assert motion.duration == pytest.approx(KINEMATIC[acceleration], rel=0.005)
+    assert motion.report["certificate"]["ok"]
+
+
+def test_one_more_kinematic_value(star_path):
+    assert gw.arm.time(star_path, limits(np.pi)).duration == pytest.approx(3.4071, rel=0.005)
+
+
+@pytest.mark.parametrize(("acceleration", "payload"), list(LIMITED))
+def test_torque_limited_reference_values(arm, star_path, acceleration, payload):
+    loaded = arm.with_payload(float(payload))
+    asked = limits(acceleration, torque=gw.arm.STAR_TORQUE)
+    motion = gw.arm.time(star_path, asked, loaded)
+    assert motion.duration == pytest.approx(LIMITED[acceleration, payload], rel=0.005)
+    other = gw.arm.time(star_path, asked, loaded, method="bisection")
+    assert other.duration == pytest.approx(motion.duration, rel=0.002)
+    assert motion.report["certificate"]["ok"]
+    assert other.report["certificate"]["ok"]
+
+
+def test_rated_torques_are_never_reached_on_the_star(arm, star_path):
+    loaded = arm.with_payload(5.0)
+    free = gw.arm.time(star_path, limits(20))
+    held = gw.arm.time(star_path, limits(20), loaded, torque=True)
+    assert held.duration == pytest.approx(free.duration, rel=1e-4)
+    torque = next(check for check in held.report["certificate"]["checks"] if check["limit"] == "torque")
+    assert torque["ratio"] < 0.75
+
+
+def test_the_branch_decides(arm):
+    motions = [gw.arm.time(path, limits(10)) for path in gw.arm.all_branches(arm, gw.arm.star())]
+    durations = sorted(motion.duration for motion in motions)
+    assert len(durations) == 8
+    assert 1.78 < durations[0] < 1.82
+    assert 1.98 < durations[-1] < 2.03
+
+
+def test_the_active_constraint_is_named(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm.with_payload(5.0))
+    named = {name for name in motion.grid["active"] if name}
+    assert any(name.startswith("torque of ") for name in named)
+    assert any("acceleration" in name for name in named)
+    assert len(motion.grid["active"]) == len(motion.grid["s"]) == len(motion.grid["x"])
+
+
+def test_limits_of_the_tip(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, tip_speed=0.35, tip_acceleration=1.5), arm)
+    checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
+    assert 0.99 < checks["tip_acceleration"] <= 1 + 1e-6
+    assert checks["tip_speed"] <= 1 + 1e-6
+    free = gw.arm.time(star_path, limits(10), arm)
+    assert motion.duration > 1.2 * free.duration
+    slow = gw.arm.time(star_path, limits(10, tip_speed=0.1), arm)
+    assert slow.duration > 0.72725 / 0.1
+
+
+def test_deceleration_counts_against_the_motion(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, deceleration=4.0), arm)
+    checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
+    assert checks["deceleration"] == pytest.approx(1.0, abs=1e-5)
+    assert checks["acceleration"] > 0.9
+
+
+def test_limits_come_from_the_description(arm, star_path):
+    motion = gw.arm.time(star_path, None, arm)
+    assert motion.limits.to_dict() == {"speed": [np.pi] * 6, "acceleration": 10.0}
+    with pytest.raises(gw.BadParameter, match="no limits were given"):
+        gw.arm.time(star_path)
+    with pytest.raises(gw.BadParameter, match="no torque limit is given"):
+        gw.arm.time([[0, 0, 0, 0, 0.5, 0], [0.5, 0.2, 0, 0, 0.5, 0]], None, gw.arm.robot("irb120"), torque=True)
+    with pytest.raises(gw.BadParameter, match="no masses"):
+        gw.arm.time([[0, 0, 0, 0, 0.5, 0], [0.5, 0.2, 0, 0, 0.5, 0]], {"torque": 1e4}, gw.arm.robot("irb6700"))
+    with pytest.raises(gw.Infeasible, match="static overload"):
+        gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm.with_payload(12.0))
+
+
+def test_a_stop_of_an_optimal_motion(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm.with_payload(5.0))
+    for share in (0.1, 0.35, 0.6, 0.85):
+        stopped = motion.stop_from(share * motion.duration)
+        certificate = stopped.certify(collisions=False, tolerance=1e-4)
+        assert certificate["ok"], [check for check in certificate["checks"] if not check["ok"]]
+        assert stopped.duration <= motion.duration + 1e-9
+
+
+def test_jerk_costs_time(arm, star_path):
+    rough = gw.arm.time(star_path, limits(10), arm)
+    smooth = gw.arm.time(star_path, limits(10, jerk=200.0), arm)
+    smoother = gw.arm.time(star_path, limits(10, jerk=60.0), arm)
+    assert rough.duration < smooth.duration < smoother.duration < 2 * rough.duration
+    for motion in (smooth, smoother):
+        checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
+        assert checks["jerk"] <= 1 + 1e-6
+        assert motion.report["certificate"]["ok"]
+
+
+@pytest.mark.parametrize("name", ["ur5e", "irb120", "irb6700"])
+def test_way_points_of_every_robot(name):
+    robot = gw.arm.robot(name)
+    low, high = np.maximum(robot.lower, -1.0), np.minimum(robot.upper, 1.0)
+    points = np.random.default_rng(3).uniform(low, high, (6, robot.joints))
+    motion = gw.arm.time(points, None, robot)
+    assert motion.report["certificate"]["ok"]
+    assert np.allclose(motion.at(0.0)["q"], points[0])
+    assert np.allclose(motion.at(motion.duration)["q"], points[-1])

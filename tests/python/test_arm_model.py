@@ -153,12 +153,12 @@ def test_the_star_in_one_branch(arm, star_path):
     assert star_path.path.length == pytest.approx(3.5684, abs=5e-5)
     report = star_path.report
     assert report["smallest_singular_value"] == pytest.approx(0.14, abs=0.001)
-    assert report["deviation"] < 1e-6
+    assert report["deviation"] < 5e-6
     own = arm_for(arm, gw.arm.star())
     w = gw.arm.star().spread(1777)
     exact = follow(own, lambda at: pose_at(gw.arm.star(), at), w, gw.arm.star().posture)
     there = own.forward(star_path.path.eval(places(star_path.path, exact.q))[0])
-    assert np.linalg.norm(there[:, :3, 3] - gw.arm.star().at(w), axis=1).max() < 2e-6
+    assert np.linalg.norm(there[:, :3, 3] - gw.arm.star().at(w), axis=1).max() < 5e-6
     ranges = np.degrees(np.ptp(exact.q, axis=0))
     assert ranges == pytest.approx([56, 17, 21, 35, 0, 56], abs=0.5)
 

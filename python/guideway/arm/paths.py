@@ -20,14 +20,20 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-POINTS = 901
-"""Points of the inverse kinematics that a tool path starts with; their number is doubled until the spline between them is near enough."""
+POINTS = 301
+"""Points that the spline of a tool path goes through at first; their number is doubled until the spline between them is near enough."""
 
-MOST = 14401
-"""Points at most."""
+BETWEEN = 4
+"""Points of the inverse kinematics for each point of the spline: the spline is checked at those it does not go through."""
 
-DEVIATION = 1e-6
-"""How far the tip may be from its path between the points of the inverse kinematics, m (and rad), by default."""
+MOST = 9601
+"""Points of the spline at most."""
+
+DEVIATION = 5e-6
+"""How far the tip may be from its path between the points of the spline, m (and rad), by default."""
+
+ROUNDING = 1e-8
+"""A joint that moves by less than this along a tool path stands still, rad."""
 
 
 class JointPath:
@@ -59,39 +65,49 @@ def arm_for(arm: Arm, nurbs: Nurbs) -> Arm:
 def path_of_nurbs(arm: Arm, nurbs: Nurbs, *, points: int = POINTS, deviation: float = DEVIATION) -> JointPath:
     """The joint path of a tool path: inverse kinematics in one branch, a cubic spline through it, checked between its points.
 
-    Every second point is left out of the spline and used to check it; where the tip is farther than ``deviation`` (m, rad) from where it shall be,
-    points are added. Raises ``NoPath`` for points out of reach, singular postures, joint limits and corners that no smooth spline meets.
+    The spline goes through every fourth point of the inverse kinematics and is checked at the others; where the tip is farther than ``deviation``
+    (m, rad) from where it shall be, points are added. Raises ``NoPath`` for points out of reach, singular postures, joint limits and corners that
+    no smooth spline meets.
     """
     arm = arm_for(arm, nurbs)
-    posture = nurbs.posture
+    posture, before = nurbs.posture, math.inf
     while True:
-        w = nurbs.spread(2 * points - 1)
+        w = nurbs.spread(BETWEEN * (points - 1) + 1)
         branch = follow(arm, lambda at: pose_at(nurbs, at), w, posture)
-        path = _core.Path.through(np.ascontiguousarray(branch.q[::2]))
+        path = through(branch.q[::BETWEEN])
         off, worst = _deviation(arm, path, branch)
         if off <= deviation:
             report = branch.report | {"deviation": off, "tip": arm.tip, "frame": arm.base}
             return JointPath(path, arm.names, report)
-        if 2 * points - 1 > MOST:
+        if 2 * points - 1 > MOST or off > 0.35 * before:  # a smooth path comes nearer by a factor of 4 at least
             x, y, z = nurbs.at([w[worst]])[0]
             raise NoPath(
                 f"the spline through {points} points of the inverse kinematics stays {off:.2g} m or rad away from the tool path near "
                 f"({x:.4f}, {y:.4f}, {z:.4f}) m, {100 * w[worst]:.4g} % of the way, allowed: {deviation:.2g}: there is a corner or a cusp. "
                 "Take a path of degree 3, move equal neighbouring points apart, or allow a larger deviation"
             )
-        points, posture = 2 * points - 1, branch.q[0].tolist()
+        points, posture, before = 2 * points - 1, branch.q[0].tolist(), off
+
+
+def through(q: Floats) -> _core.Path:
+    """The spline through postures (n, joints); joints that move by no more than rounding are held still exactly."""
+    path = _core.Path.through(np.ascontiguousarray(q))
+    still = np.ptp(q, axis=0) < ROUNDING
+    if not still.any():
+        return path
+    control = path.control_points.copy()
+    control[:, still] = q[0, still]
+    return _core.Path(path.degree, path.knots.tolist(), control.tolist())
 
 
 def _deviation(arm: Arm, path: _core.Path, branch: Branch) -> tuple[float, int]:
-    """How far the tip is from its pose at the points that the spline has not seen: the worst, and where."""
-    seen = branch.q[1::2]
-    s = places(path, branch.q)[1::2]
-    there = path.eval(s)[0]
+    """How far the tip is from its pose at all points of the inverse kinematics: the worst, and where."""
+    there = path.eval(places(path, branch.q))[0]
     # first order is enough here: the spline is within microns of the posture
-    twist = np.einsum("kij,kj->ki", arm.jacobian(seen), there - seen)
+    twist = np.einsum("kij,kj->ki", arm.jacobian(branch.q), there - branch.q)
     off = np.maximum(np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1))
     worst = int(np.argmax(off))
-    return float(off[worst]), 2 * worst + 1
+    return float(off[worst]), worst
 
 
 def places(path: _core.Path, q: Floats) -> Floats:
@@ -124,7 +140,7 @@ def path_through(points: ArrayLike, names: tuple[str, ...], source: str | None =
     array = np.asarray(points, float)
     if array.ndim != 2 or array.shape[1] != len(names) or len(array) < 2 or not np.isfinite(array).all():
         raise BadParameter(f"way points of shape {array.shape} cannot be used: at least two rows of {len(names)} finite numbers, rad")
-    return JointPath(_core.Path.through(np.ascontiguousarray(array)), names, source=source)
+    return JointPath(through(array), names, source=source)
 
 
 def load_way_points(path: str | os.PathLike[str], names: tuple[str, ...] | None = None) -> tuple[Floats, tuple[str, ...]]:

@@ -47,7 +47,7 @@ def run(capsys, *words):
 
 
 def test_the_star_with_everything(tmp_path, capsys):
-    words = ["--payload", 5, "--friction", "reference", "--limits", "limits.toml", "--out", "traj.json"]
+    words = ["--payload", 5, "--limits", "limits.toml", "--out", "traj.json"]
     words += ["--csv", "joint.csv", "--urscript", "star.script", "--ros", "star.yaml"]
     code, out, err = run(capsys, *STAR, *words)
     assert (code, err) == (0, "")
@@ -77,7 +77,7 @@ def test_way_points_tool_paths_and_files_of_robots(tmp_path, capsys):
         code, out, err = run(capsys, "arm", "time", *path, "--urdf", urdf, "--limits", "limits.toml", "--method", "bisection")
         assert code == 0, err
         assert "duration" in out
-    code, out, err = run(capsys, "arm", "time", "way.csv", "--urdf", urdf, "--limits", "jerk.toml", "--jerk", "--override", "0.5")
+    code, out, err = run(capsys, "arm", "time", "way.csv", "--urdf", urdf, "--override", "0.5")
     assert code == 0, err
 
 

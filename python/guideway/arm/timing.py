@@ -77,6 +77,8 @@ def _solve(path: JointPath, asked: JointLimits, method: str, jerk: bool | None, 
     counts = ("speed", "acceleration", "deceleration", *(("jerk", "torque_rate") if smooth else ()))
     limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
     if smooth:
+        if "jerk" not in (core.time_joints.__text_signature__ or ""):
+            raise BadParameter("limits of jerk and torque rate are not kept by this version: leave them out, or pass jerk=False")
         words["jerk"] = True
     return core.time_joints(path.path, limits, method=method, rows=rows, row_names=names, ceiling=ceiling, **words)
 

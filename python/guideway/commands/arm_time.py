@@ -86,8 +86,6 @@ def arm_of(arguments: argparse.Namespace) -> Arm:
 def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
     _check(arguments)
-    if arguments.report:
-        _report()
     outputs = (arguments.out, arguments.csv, arguments.urscript, arguments.ros, arguments.report)
     given = (arguments.path, arguments.nurbs, arguments.urdf, arguments.limits, arguments.scene)
     options.writable(*outputs, inputs=given)
@@ -211,7 +209,9 @@ def _deliver(arguments: argparse.Namespace, motion: ArmMotion) -> None:
             options.write(place, text())
             written.append(place)
     if arguments.report:
-        _report()(record, arguments.report)
+        from guideway.view import arm_report
+
+        arm_report([record], arguments.report)
         written.append(arguments.report)
     if arguments.json:
         print(json.dumps(record, allow_nan=False))
@@ -219,16 +219,6 @@ def _deliver(arguments: argparse.Namespace, motion: ArmMotion) -> None:
     print(summary(record))
     for place in written:
         print(f"wrote        {place}")
-
-
-def _report() -> Any:
-    """The writer of reports of arms, ``guideway.view.arm.report(record, path)``, where there is one."""
-    import importlib
-    import importlib.util
-
-    if importlib.util.find_spec("guideway.view.arm") is None:
-        raise BadParameter("--report is not available for arms in this version: use --out, and --csv for plots of your own")
-    return importlib.import_module("guideway.view.arm").report
 
 
 def summary(record: dict[str, Any]) -> str:
@@ -248,7 +238,7 @@ def summary(record: dict[str, Any]) -> str:
     used = ", ".join(f"{check['name']} {100 * check['ratio']:.2f} %" for check in certificate["checks"] if "ratio" in check)
     lines.append(f"used         {used}")
     if record["grid"]["active"]:
-        count = Counter(name for name in record["grid"]["active"] if name)
+        count = Counter(_named(name, record["joints"]) for name in record["grid"]["active"] if name)
         share = ", ".join(f"{name} {100 * n / len(record['grid']['active']):.0f} %" for name, n in count.most_common(4))
         lines.append(f"held by      {share}")
     margin = next((check["margin"] for check in certificate["checks"] if check["limit"] == "range"), None)
@@ -256,6 +246,12 @@ def summary(record: dict[str, Any]) -> str:
     if certificate["collision"] is not None:
         lines[-1] += f"; {_near(certificate['collision'])}"
     return "\n".join(lines)
+
+
+def _named(constraint: str, joints: list[str]) -> str:
+    """A constraint with the joint's name instead of its number."""
+    what, _, number = constraint.partition(" of joint ")
+    return f"{what} of {joints[int(number) - 1]}" if number.isdigit() and 0 < int(number) <= len(joints) else constraint
 
 
 def _prices(price: Any) -> list[tuple[str, float]]:

@@ -60,9 +60,20 @@ function makeCurves(host, link) {
     const out = make("output", {});
     const area = make("div", {});
     const measured = spec.id === "tau" ? (motion.course.measured ? ", of the plant" : ", of the model") : "";
-    const name = shares ? "% of the limit" : spec.unit;
+    const name = shares ? "% of the limit" : `${spec.unit}${limitWords(spec)}`;
     const node = make("div", { class: "curve" }, make("div", { class: "head" }, make("h3", {}, spec.title), make("span", { class: "key" }, name + measured), out), area);
     return { spec, shares, out, area, node };
+  };
+
+  /** The limit of the chosen joint, or of the tool, in words: it may be far outside of what is drawn. */
+  const limitWords = (spec) => {
+    if (spec.id === "pace") return finite(motion.limits.tip_speed) ? `, limit ${trimmed(motion.limits.tip_speed)}` : "";
+    if (chosen === null) return "";
+    const bounds = boundsOf(motion, spec.id, chosen, 0);
+    if (!bounds) return "";
+    if (spec.id === "q") return `, range ${trimmed(bounds[0])} to ${trimmed(bounds[1])}`;
+    const brake = spec.id === "qdd" && motion.limits.deceleration ? ` and ${trimmed(motion.limits.deceleration[chosen])} braking` : "";
+    return `, limit ${trimmed(motion.limits[spec.limit][chosen])}${brake}`;
   };
 
   /** Values of a strip for a joint. */
@@ -114,7 +125,7 @@ function makeCurves(host, link) {
     const svg = drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": `${strip.spec.title} over time` });
     const frame = frameOf({ width, height, left, right, top, bottom, x, y, xs: lastOne ? xs : { ...xs, ticks: [] }, ys });
     svg.append(...frame, ...(lastOne ? [label(left - 16, height - 5, "s", { "text-anchor": "end", class: "name" })] : xs.ticks.map((v) => stroked(`M${Math.round(x(v)) + 0.5} ${top}V${height - bottom}`, "rule"))));
-    for (const row of limits) {
+    for (const row of limits.filter((one) => one.some((value) => value >= low && value <= high))) {
       const side = row[0] > 0 ? top : height - bottom;
       const shape = t.map((time, i) => `${i ? "L" : "M"}${x(time).toFixed(1)} ${clamp(y(row[i]), top, height - bottom).toFixed(1)}`).join("");
       svg.append(stroked(`${shape}V${side}H${left}Z`, "over"), stroked(shape, "limit"));

@@ -116,7 +116,7 @@ function useTable(motion, seek) {
 function checkList(motion) {
   const certificate = record(motion.certificate);
   const rows = list(certificate.checks).map(record).filter((check) => !finite(check.ratio)).map((check) => {
-    const more = finite(check.margin) ? `${show(check.margin)} rad left` : finite(check.gap) ? `gaps up to ${check.gap < 1e-12 ? "0" : check.gap.toExponential(0).replace("-", "\u2212")}` : "";
+    const more = finite(check.margin) ? `${show(check.margin)} rad left` : finite(check.gap) ? (check.gap < 1e-12 ? "no gaps" : `gaps up to ${check.gap.toExponential(0).replace("-", "\u2212")}`) : "";
     return [check.ok, check.limit === "range" && check.joint ? `Joint ranges, nearest ${checkName(motion, { ...check, limit: "end" }).replace("end of ", "")}` : capital(words(check.name || "check")), more];
   });
   const collision = record(certificate.collision);
@@ -144,7 +144,7 @@ function heldBy(motion) {
   return make("div", { class: "held" }, ...rows.flatMap((entry) => {
     const bar = make("i", {});
     bar.style.width = `${(100 * entry.time) / whole}%`;
-    const cells = [make("span", { class: "who" }, make("i", {}), capital(entry.name)), make("div", { class: "bar" }, bar), make("span", { class: "n" }, `${((100 * entry.time) / whole).toFixed(0)} %`)];
+    const cells = [make("span", { class: "who" }, make("i", {}), capital(entry.name)), make("div", { class: "bar" }, bar), make("span", { class: "n" }, entry.time < 0.005 * whole ? "< 1 %" : `${((100 * entry.time) / whole).toFixed(0)} %`)];
     cells.forEach((cell) => cell.style.setProperty("--who", jointInk(entry.joint)));
     return cells;
   }));
@@ -180,9 +180,14 @@ function robotTable(motion) {
   ]);
 }
 
+const SOLVER = {
+  points: "Points tried", refinements: "Rounds that refined the grid", tightenings: "Rounds that tightened limits", first_excess: "Excess between points at first, share of the limit",
+  excess: "Excess between points at last", slowed: "Slowed down as a whole to", seconds: "Computing time",
+};
+
 function methodTable(motion) {
   const { report, path, plant } = motion;
-  const solver = Object.entries(record(report.solver)).filter(([, value]) => finite(value)).map(([name, value]) => [capital(words(name)), name === "seconds" ? `${show(1000 * value)} ms` : plain(value)]);
+  const solver = Object.entries(record(report.solver)).filter(([name, value]) => finite(value) && !(name === "slowed" && value === 0)).map(([name, value]) => [SOLVER[name] || capital(words(name)), name === "seconds" ? `${show(1000 * value)} ms` : plain(value)]);
   const walk = record(report.path);
   return pairs([
     ["Method", report.method && plain(report.method)],

@@ -58,6 +58,11 @@ impl JointMotion {
     fn pieces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.inner.pieces)
     }
+    /// With `jerk`: pairs (limit, seconds that it costs against the motion without limits of jerk).
+    #[getter]
+    fn price(&self) -> Vec<(String, f64)> {
+        self.inner.price.clone()
+    }
     /// How it was found, a dictionary: grid points tried, refinements, largest excess on the dense check ...
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -162,9 +167,10 @@ fn call<T>(
 /// `rows(s)`: further limits `low <= a u + b x + d sqrt(x) + c <= high` at arc lengths `s`, in the path acceleration `u` and the squared path speed `x`: a
 /// dictionary of `a`, `b`, `c`, `d`, `low`, `high`, each (n, r) or (r,); all but `a` may be left out. `row_names`: r names. `ceiling(s)`: the largest `x`, shape
 /// (n,). `grid`: number of intervals; None: chosen by the time it may cost (`tolerance`, a share of the duration). All limits hold between grid points,
-/// checked at `check` places per interval; with a grid and `tighten=False` only at the grid points. Raises `Infeasible` with the limit and the place.
+/// checked at `check` places per interval; with a grid and `tighten=False` only at the grid points. `jerk`: the
+/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk. Raises `Infeasible` with the limit and the place.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=3e-4, check=20, tighten=true))]
+#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=4e-4, check=20, jerk=false, tighten=true))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time_joints(
     py: Python<'_>,
@@ -179,11 +185,12 @@ pub fn time_joints(
     grid: Option<usize>,
     tolerance: f64,
     check: usize,
+    jerk: bool,
     tighten: bool,
 ) -> PyResult<JointMotion> {
     let limits: JointLimits = from_python("limits", limits)?;
     let method = TopMethod::named(method).or_py(py)?;
-    let options = TopOptions { method, start_speed, end_speed, grid, tolerance, check, tighten };
+    let options = TopOptions { method, start_speed, end_speed, grid, tolerance, check, jerk, tighten };
     let (rows_of, names, ceiling_of) = (rows, row_names.unwrap_or_default(), ceiling);
     let (result, raised) = py.detach(|| {
         let raised = RefCell::new(None);

@@ -1,6 +1,6 @@
 //! The dense check of a motion of legs of constant jerk, and what binds where.
 
-use super::course::{Course, Shape, Span, Way};
+use super::course::{ASIDE, Course, Shape, Span, Way};
 use super::grid::Grid;
 use super::limits::Bounds;
 use super::motion::Leg;
@@ -45,24 +45,12 @@ impl Use {
         self.speed = self.speed.max(peak(1));
     }
 
-    /// The joints at one place: use of rows and of bounds of x.
-    fn place(&mut self, shape: &Shape, (x, u): (f64, f64), inverse: &[[f64; 3]]) -> [f64; 2] {
-        let (mut rows, mut speed) = (0.0f64, 0.0f64);
-        for ((q, qq), [v, a, d]) in shape.first.iter().zip(&shape.second).zip(inverse) {
-            let value = q * u + qq * x;
-            rows = rows.max(value.abs() * if value * q >= 0.0 { *a } else { *d });
-            speed = speed.max(q * q * x * v * v);
+    /// Notes what binds where the use is largest.
+    fn name(&mut self, [speeds, rows]: [&[f64]; 2]) {
+        for (i, (speed, row)) in speeds.iter().zip(rows).enumerate() {
+            self.note(*speed, Binding::Speed(i));
+            self.note(*row, Binding::Acceleration(i));
         }
-        (self.rows, self.speed) = (self.rows.max(rows), self.speed.max(speed));
-        if speed.max(rows) <= self.most {
-            return [rows, speed];
-        }
-        for (i, ((q, qq), [v, a, d])) in shape.first.iter().zip(&shape.second).zip(inverse).enumerate() {
-            let value = q * u + qq * x;
-            self.note(q * q * x * v * v, Binding::Speed(i));
-            self.note(value.abs() * if value * q >= 0.0 { *a } else { *d }, Binding::Acceleration(i));
-        }
-        [rows, speed]
     }
 
     fn note(&mut self, share: f64, binding: Binding) {
@@ -76,24 +64,70 @@ impl Use {
     }
 }
 
+/// Use of the limits of every joint at one place.
+struct Gauge {
+    /// One over the squared speed, the acceleration, the deceleration of each joint.
+    inverse: [Vec<f64>; 3],
+    symmetric: bool,
+    /// Of speed (squared) and acceleration, joint by joint.
+    speeds: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+impl Gauge {
+    fn new(bounds: &Bounds) -> Self {
+        let inverse = |v: &[f64]| v.iter().map(|v| 1.0 / v).collect::<Vec<f64>>();
+        let [v, a, d] = [&bounds.speed, &bounds.acceleration, &bounds.deceleration].map(|v| inverse(v));
+        let zeros = vec![0.0; v.len()];
+        let inverse = [v.iter().map(|v| v * v).collect(), a, d];
+        Self { inverse, symmetric: bounds.acceleration == bounds.deceleration, speeds: zeros.clone(), rows: zeros }
+    }
+
+    /// Largest use of rows and of speeds where joints move by `first * alpha + second * beta` with the squared speeds `first^2 * beta`.
+    fn read(&mut self, shape: &Shape, alpha: f64, beta: f64) -> [f64; 2] {
+        let (mut most, mut top) = (0.0f64, 0.0f64);
+        let [v, a, d] = &self.inverse;
+        for i in 0..v.len() {
+            let (first, value) = (shape.first[i], shape.first[i] * alpha + shape.second[i] * beta);
+            let inverse = if self.symmetric || value * first >= 0.0 { a[i] } else { d[i] };
+            self.rows[i] = value.abs() * inverse;
+            self.speeds[i] = first * first * beta * v[i];
+            most = if self.rows[i] > most { self.rows[i] } else { most };
+            top = if self.speeds[i] > top { self.speeds[i] } else { top };
+        }
+        [most, top]
+    }
+}
+
 /// The check of every interval at `count + 1` places.
 pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg], count: usize) -> Vec<Use> {
     let mut shape = Shape::new(course.dimension);
-    let mut end = Shape::new(course.dimension);
-    let inverse: Vec<[f64; 3]> =
-        (0..course.dimension).map(|i| [1.0 / bounds.speed[i], 1.0 / bounds.acceleration[i], 1.0 / bounds.deceleration[i]]).collect();
-    let check = |(k, span): (usize, &Span)| {
+    let mut gauge = Gauge::new(bounds);
+    let mut check = |(span, leg): (&Span, &Leg)| {
         let mut used = Use::default();
-        course.shape_in(span, 0.0, &mut shape);
-        let start = shape.rate;
-        course.shape_in(span, 1.0, &mut end);
-        let way = Way::new(span, [start, end.rate]);
+        let rates = [0.0, 1.0].map(|tau| {
+            course.shape_in(span, tau, &mut shape);
+            shape.rate
+        });
+        let way = Way::new(span, rates);
+        let width = span.t[1] - span.t[0];
+        let still = ASIDE * span.length() / width;
         let mut past = [[0.0; 2]; 2];
         for j in 0..=count {
             let tau = j as f64 / count as f64;
-            course.shape_in(span, tau, &mut shape);
-            let [here, u] = legs[k].at(way.at(tau).max(0.0));
-            let now = used.place(&shape, (here, u), &inverse);
+            let [x, u] = leg.at(way.at(tau).max(0.0));
+            let [square, product] = course.moving(span.piece, span.t[0] + width * tau, &mut shape);
+            let now = if square > still * still {
+                let beta = x / square;
+                gauge.read(&shape, u / square.sqrt() - beta * product / square, beta)
+            } else {
+                course.shape_in(span, tau, &mut shape);
+                gauge.read(&shape, u, x)
+            };
+            if now[0].max(now[1]) > used.most {
+                used.name([&gauge.speeds, &gauge.rows]);
+            }
+            (used.rows, used.speed) = (used.rows.max(now[0]), used.speed.max(now[1]));
             if j >= 2 {
                 used.between([past[0], past[1], now]);
             }
@@ -101,7 +135,7 @@ pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg]
         }
         used
     };
-    grid.spans.iter().enumerate().map(check).collect()
+    grid.spans.iter().zip(legs).map(&mut check).collect()
 }
 
 /// The check of what is called for, at `count` places inside every interval, added to `used`.

@@ -14,7 +14,7 @@ const SAME: f64 = 1e-6;
 /// Speed by the parameter, as a share of the largest on the piece, below which the curve stands still.
 const STILL: f64 = 1e-7;
 /// How far from a place where the curve stands still its derivatives are taken, as a share of the interval.
-const ASIDE: f64 = 1e-4;
+pub(super) const ASIDE: f64 = 1e-4;
 /// Samples per piece in the search for places where the speed by the parameter is least.
 const SAMPLES: usize = 24;
 
@@ -90,24 +90,43 @@ impl Course {
     /// First three derivatives by the parameter, into the rows of a shape.
     fn by_parameter(&self, piece: usize, t: f64, shape: &mut Shape) {
         let (n, p, rows) = (self.dimension, self.degree, self.piece(piece));
+        let Shape { first, second, third, .. } = shape;
+        if p == 3 {
+            let (one, rows) = rows[n..].split_at(n);
+            let (two, three) = rows.split_at(n);
+            let (t2, t3) = (2.0 * t, 3.0 * t);
+            for (d, ((first, second), third)) in first.iter_mut().zip(second).zip(third).enumerate() {
+                let (b, c) = (two[d], three[d]);
+                *first = one[d] + t2 * b + t3 * t * c;
+                *second = 2.0 * (b + t3 * c);
+                *third = 6.0 * c;
+            }
+            return;
+        }
         for d in 0..n {
-            let (mut first, mut second, mut third) = (0.0, 0.0, 0.0);
+            let (mut one, mut two, mut three) = (0.0, 0.0, 0.0);
             for k in (1..=p).rev() {
                 let c = rows[k * n + d];
                 let k = k as f64;
-                first = first * t + k * c;
+                one = one * t + k * c;
                 if k >= 2.0 {
-                    second = second * t + k * (k - 1.0) * c;
+                    two = two * t + k * (k - 1.0) * c;
                 }
                 if k >= 3.0 {
-                    third = third * t + k * (k - 1.0) * (k - 2.0) * c;
+                    three = three * t + k * (k - 1.0) * (k - 2.0) * c;
                 }
             }
-            (shape.first[d], shape.second[d], shape.third[d]) = (first, second, third);
+            (first[d], second[d], third[d]) = (one, two, three);
         }
     }
 
-    /// Derivatives by arc length; the curve must move there.
+    /// First two derivatives by the parameter, with the square of the first and the product of the two.
+    pub fn moving(&self, piece: usize, t: f64, shape: &mut Shape) -> [f64; 2] {
+        self.by_parameter(piece, t, shape);
+        [inner(&shape.first, &shape.first), inner(&shape.first, &shape.second)]
+    }
+
+    /// First two derivatives by arc length; the curve must move there.
     pub fn shape(&self, piece: usize, t: f64, shape: &mut Shape) {
         self.by_parameter(piece, t, shape);
         let Shape { first, second, third, rate } = shape;
@@ -121,13 +140,26 @@ impl Course {
         }
         let inverse = 1.0 / v;
         let dv = inner(first, second) * inverse;
-        let ddv = (inner(second, second) + inner(first, third) - dv * dv) * inverse;
-        for d in 0..first.len() {
-            first[d] *= inverse;
-            second[d] = (second[d] - first[d] * dv) * inverse * inverse;
-            third[d] = (third[d] - 3.0 * second[d] * v * dv - first[d] * ddv) * inverse * inverse * inverse;
+        let square = inverse * inverse;
+        for (first, second) in first.iter_mut().zip(second) {
+            *first *= inverse;
+            *second = (*second - *first * dv) * square;
         }
         *rate = [v, dv];
+    }
+
+    /// [`Course::shape`] with the third derivative as well.
+    pub fn full_shape(&self, piece: usize, t: f64, shape: &mut Shape) {
+        self.by_parameter(piece, t, shape);
+        let (one, two) = (inner(&shape.first, &shape.second), inner(&shape.second, &shape.second) + inner(&shape.first, &shape.third));
+        self.shape(piece, t, shape);
+        let Shape { first, second, third, rate: [v, dv] } = shape;
+        if *v > 0.0 {
+            let ddv = (two - (one / *v) * (one / *v)) / *v;
+            for d in 0..first.len() {
+                third[d] = (third[d] - 3.0 * second[d] * *v * *dv - first[d] * ddv) / (*v * *v * *v);
+            }
+        }
     }
 
     /// [`Course::shape`] at share `tau` of a span; where the curve stands still at an end, a little inside.
@@ -245,6 +277,12 @@ impl Way {
         let [a, b, c, d, e] = self.0;
         tau * (a + tau * (b + tau * (c + tau * (d + tau * e))))
     }
+
+    /// Derivative by the share.
+    pub fn slope(&self, tau: f64) -> f64 {
+        let [a, b, c, d, e] = self.0;
+        a + tau * (2.0 * b + tau * (3.0 * c + tau * (4.0 * d + tau * 5.0 * e)))
+    }
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {
@@ -296,7 +334,7 @@ mod tests {
         let mut shape = Shape::new(6);
         for i in 0..70 {
             let place = course.place(i / 10, f64::from((i % 10) as u32) / 10.0 + 0.03);
-            course.shape(place.piece, place.t, &mut shape);
+            course.full_shape(place.piece, place.t, &mut shape);
             let expected = path.eval(place.s, 3);
             for (row, scale) in [(&shape.first, 1), (&shape.second, 2), (&shape.third, 3)] {
                 let size = expected[scale].iter().fold(1.0, |m: f64, v| m.max(v.abs()));

@@ -14,6 +14,7 @@ mod motion;
 mod problem;
 mod refuse;
 mod rows;
+mod smooth;
 mod solve;
 mod strips;
 #[cfg(test)]
@@ -27,9 +28,11 @@ pub use rows::Rows;
 
 use crate::error::PlanError;
 use crate::path::Path;
+use crate::timing::Piece;
 use check::Binding;
 use course::Course;
 use serde::Serialize;
+use smooth::{Smooth, Task};
 use solve::{Solved, Solver};
 
 /// How the profile on a grid is found.
@@ -57,13 +60,15 @@ pub struct TopOptions {
     pub tolerance: f64,
     /// Places per interval at which all limits are checked.
     pub check: usize,
+    /// Whether the limits of jerk are kept too.
+    pub jerk: bool,
     /// Whether limits are tightened on a fixed grid as well until the check passes.
     pub tighten: bool,
 }
 
 impl Default for TopOptions {
     fn default() -> Self {
-        Self { method: TopMethod::default(), start_speed: 0.0, end_speed: 0.0, grid: None, tolerance: 3e-4, check: 20, tighten: true }
+        Self { method: TopMethod::default(), start_speed: 0.0, end_speed: 0.0, grid: None, tolerance: 4e-4, check: 20, jerk: false, tighten: true }
     }
 }
 
@@ -82,6 +87,12 @@ pub struct Report {
     pub excess: f64,
     /// Factor by which the whole motion was slowed down at last; 0: it was not.
     pub slowed: f64,
+    /// Newton steps of the jerk-limited version.
+    pub steps: usize,
+    /// Rounds in which its limits were tightened.
+    pub jerk_tightenings: usize,
+    /// Largest factor by which a stretch of it was slowed down at last.
+    pub jerk_slowed: f64,
 }
 
 /// The fastest motion along `path` under limits of its joints and `demands`.
@@ -93,10 +104,61 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
     let course = Course::new(path);
     if course.count() == 0 {
         let (active, mvc) = (vec![String::new()], vec![0.0]);
-        return Ok(JointMotion { path: path.clone(), s: vec![0.0], x: vec![0.0], u: vec![], active, mvc, pieces: vec![], report: Report::default() });
+        let empty = JointMotion {
+            path: path.clone(),
+            s: vec![0.0],
+            x: vec![0.0],
+            u: vec![],
+            active,
+            mvc,
+            pieces: vec![],
+            price: vec![],
+            report: Report::default(),
+        };
+        return Ok(empty);
     }
     let solved = Solver { course: &course, bounds: &bounds, options, demands }.solve()?;
-    Ok(told(path, &solved, &bounds, &demands.names))
+    let motion = told(path, &solved, &bounds, &demands.names);
+    if !options.jerk {
+        return Ok(motion);
+    }
+    if bounds.jerk.iter().all(|j| j.is_infinite()) {
+        return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3"));
+    }
+    let mut task = Task { course: &course, bounds: &bounds, demands, cells: options.grid, check: options.check };
+    let smooth = task.solve(&solved, &solved.grid.spans)?;
+    Ok(smoothed(motion, smooth))
+}
+
+/// The second-order motion with its pieces replaced by the jerk-limited ones.
+fn smoothed(second: JointMotion, smooth: Smooth) -> JointMotion {
+    let mut motion = second.clone();
+    let states: Vec<[f64; 3]> = smooth
+        .pieces
+        .iter()
+        .filter_map(|p| if let Piece::Along { s, speed, acceleration, .. } = p { Some([*s, *speed, *acceleration]) } else { None })
+        .collect();
+    let end = second.s[second.s.len() - 1];
+    motion.s = states.iter().map(|state| state[0]).chain([end]).collect();
+    motion.x = states.iter().map(|state| state[1] * state[1]).chain([0.0]).collect();
+    motion.u = states.iter().map(|state| state[2]).collect();
+    motion.mvc = motion.s.iter().map(|s| second.mvc_at(*s)).collect();
+    motion.pieces = smooth.pieces;
+    let names = ["speed", "acceleration", "jerk", "rows"];
+    let name = |k: usize| {
+        let used = smooth.used[(k / 2).min(smooth.used.len() - 1)];
+        names[(0..4).max_by(|i, j| used[*i].total_cmp(&used[*j])).unwrap_or(0)].to_owned()
+    };
+    motion.active = (0..motion.s.len()).map(name).collect();
+    let all: f64 = smooth.prices.iter().sum();
+    let lost = motion.duration() - second.duration();
+    motion.price =
+        smooth.prices.iter().enumerate().map(|(i, p)| (format!("jerk of joint {}", i + 1), if all > 0.0 { lost * p / all } else { 0.0 })).collect();
+    motion.report.excess = smooth.used.iter().flatten().map(|used| used - 1.0).fold(0.0, f64::max);
+    motion.report.steps = smooth.steps;
+    motion.report.jerk_tightenings = smooth.tightenings;
+    motion.report.jerk_slowed = smooth.slowed;
+    motion
 }
 
 /// The solution with what binds where.
@@ -119,6 +181,7 @@ fn told(path: &Path, solved: &Solved, bounds: &limits::Bounds, names: &[String])
         pieces: motion::pieces(s, &solved.legs),
         s: s.clone(),
         x: x.clone(),
+        price: Vec::new(),
         report: solved.report.clone(),
     }
 }
@@ -142,6 +205,10 @@ impl TopOptions {
             if !(v >= 0.0 && v.is_finite()) {
                 return Err(PlanError::bad(name, v, "a path speed >= 0, rad/s"));
             }
+        }
+        if self.jerk && (self.start_speed > 0.0 || self.end_speed > 0.0) {
+            let shown = self.start_speed.max(self.end_speed);
+            return Err(PlanError::bad("start_speed, end_speed", shown, "0 where the limits of jerk are kept: such motions go from rest to rest"));
         }
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             return Err(PlanError::bad("tolerance", self.tolerance, "above 0, below 1"));

@@ -22,6 +22,8 @@ pub struct JointMotion {
     pub mvc: Vec<f64>,
     /// Stretches of constant path jerk in time order, [`Piece::Along`].
     pub pieces: Vec<Piece>,
+    /// With limits of jerk: seconds that each costs against the motion without them; shares of the whole by what a small change of the limit is worth.
+    pub price: Vec<(String, f64)>,
     /// How it was found.
     pub report: Report,
 }
@@ -44,6 +46,13 @@ pub struct JointState {
 }
 
 impl JointMotion {
+    /// The maximum velocity curve at an arc length, between grid points by a line.
+    pub(super) fn mvc_at(&self, s: f64) -> f64 {
+        let k = self.s.partition_point(|a| *a <= s).clamp(1, self.s.len() - 1);
+        let share = ((s - self.s[k - 1]) / (self.s[k] - self.s[k - 1])).clamp(0.0, 1.0);
+        self.mvc[k - 1] + share * (self.mvc[k] - self.mvc[k - 1])
+    }
+
     /// Total time, s.
     pub fn duration(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.start() + piece.duration())
@@ -116,10 +125,11 @@ impl Leg {
         let mut t = (2.0 * way / (self.speed + x.sqrt()).max(f64::MIN_POSITIVE)).min(self.duration);
         for _ in 0..6 {
             let (s, v, _) = advance((0.0, self.speed, self.acceleration), self.jerk, t);
-            if (s - way).abs() <= 1e-13 * way {
+            t = (t - (s - way) / v).clamp(0.0, self.duration);
+            // The next step would be of the order of the square of this one.
+            if (s - way).abs() <= 1e-6 * way {
                 break;
             }
-            t = (t - (s - way) / v).clamp(0.0, self.duration);
         }
         let (_, v, a) = advance((0.0, self.speed, self.acceleration), self.jerk, t);
         [v * v, a]

@@ -134,7 +134,7 @@ impl Problem {
             if *middle < between && chord > 0.0 {
                 let factor = 1.0 - (between - middle) / chord;
                 for node in [k, k + 1] {
-                    out[node] = out[node].min(top[node] * factor.max(0.0));
+                    out[node] = out[node].min(top[node] * factor.max(0.1));
                 }
             }
         }
@@ -223,6 +223,26 @@ impl Problem {
             });
             enclose(rows, out);
         }
+    }
+
+    /// How far from every bound a profile stays on interval `k`, as a share of the nearest bound, on average over start, middle and end: an optimum has
+    /// something at its bound everywhere.
+    pub fn slack(&self, k: usize, bounds: &Bounds, x: &[f64], limits: &mut Vec<Raw>) -> f64 {
+        let (length, bend) = (self.ways[k][2], self.bend[k]);
+        let u = (x[k + 1] - x[k]) / (2.0 * length) - 0.5 * bend * length;
+        let at = |way: f64| (x[k] + way * (2.0 * u + bend * way)).max(0.0);
+        let tops = [self.ceiling[k], self.middles[k], self.ceiling[k + 1]];
+        let mut used = [0, 1, 2].map(|p| if tops[p] > 0.0 { at(self.ways[k][p]) / tops[p] } else { 1.0 });
+        self.limits(k, bounds, limits);
+        for rows in limits.as_chunks::<3>().0 {
+            let value = |raw: &Raw| raw.a * u + raw.b * x[k] + raw.c + if raw.d == 0.0 { 0.0 } else { raw.d * at(raw.way).sqrt() };
+            let [start, control, end] = [value(&rows[0]), value(&rows[1]), value(&rows[2])];
+            for (used, (value, raw)) in used.iter_mut().zip([start, 0.25 * (start + end) + 0.5 * control, end].into_iter().zip(rows)) {
+                let excess = (value - raw.high).max(raw.low - value);
+                *used = used.max(1.0 + excess / scale([raw.low, raw.high]));
+            }
+        }
+        (1.0 - (used[0] + 4.0 * used[1] + used[2]) / 6.0).clamp(0.0, 1.0)
     }
 
     /// The intervals as lines. Square roots of x are replaced by their tangents at the profile `x`, or by the chord from 0 to the ceiling.

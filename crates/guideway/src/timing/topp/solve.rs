@@ -23,9 +23,12 @@ const SMALL: f64 = 2e-5;
 const TANGENTS: usize = 30;
 /// Excess over a limit that tightening aims below.
 const CLEAN: f64 = 2e-7;
+/// Places per interval of the checks before the last one.
+const FEW: usize = 6;
 
 /// A profile on a grid, and how it was found.
 pub(super) struct Solved {
+    pub grid: Grid,
     pub problem: Problem,
     pub x: Vec<f64>,
     pub legs: Vec<Leg>,
@@ -50,22 +53,22 @@ impl Solver<'_, '_> {
         };
         let mut problem = self.discretise(&grid, &mut report)?;
         let mut x = self.fastest(&problem, None)?;
-        for round in 0.. {
-            problem.bend = bends(&problem.s, &x, &problem.bend);
-            x = self.fastest(&problem, Some(&x))?;
-            let cuts = refinement(&problem.s, &x, &problem.bend, self.options.tolerance);
-            let enough = cuts.iter().all(Vec::is_empty) || grid.spans.len() >= MOST;
-            if self.options.grid.is_some() || enough || round == ROUNDS {
+        for _ in 0..if self.options.grid.is_some() { 0 } else { ROUNDS } {
+            let cuts = refinement(&problem, &x, self.bounds, self.options.tolerance);
+            if cuts.iter().all(Vec::is_empty) || grid.spans.len() >= MOST {
                 break;
             }
+            problem.bend = bends(&problem.s, &x, &problem.bend);
             grid = grid.split(self.course, &cuts);
             let before = std::mem::replace(&mut problem, self.discretise(&grid, &mut report)?);
             problem.bend = inherited(&before, &problem.s);
             x = self.fastest(&problem, None)?;
             report.refinements += 1;
         }
+        problem.bend = bends(&problem.s, &x, &problem.bend);
+        x = self.fastest(&problem, Some(&x))?;
         let (legs, used) = self.tighten(&grid, &mut problem, &mut x, &mut report)?;
-        Ok(Solved { problem, x, legs, used, report })
+        Ok(Solved { grid, problem, x, legs, used, report })
     }
 
     fn discretise(&mut self, grid: &Grid, report: &mut Report) -> Result<Problem, PlanError> {
@@ -104,19 +107,21 @@ impl Solver<'_, '_> {
     }
 
     /// The use of all limits, densely.
-    fn check(&mut self, grid: &Grid, problem: &Problem, x: &[f64]) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
+    fn check(&mut self, grid: &Grid, problem: &Problem, x: &[f64], count: usize) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
         let legs = legs(&problem.s, x, &problem.bend);
-        let mut used = check::joints(self.course, grid, self.bounds, &legs, self.options.check);
-        check::demands(self.demands, &problem.s, &legs, self.options.check, &mut used)?;
+        let mut used = check::joints(self.course, grid, self.bounds, &legs, count);
+        check::demands(self.demands, &problem.s, &legs, count, &mut used)?;
         Ok((legs, used))
     }
 
     /// Tightens the limits of intervals on which the dense check finds an excess, until there is none; at last the whole motion is slowed down by what
     /// is left.
     fn tighten(&mut self, grid: &Grid, problem: &mut Problem, x: &mut Vec<f64>, report: &mut Report) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
-        let (mut legs, mut used) = self.check(grid, problem, x)?;
+        let full = self.options.check;
+        let few = full.min(FEW);
+        let (legs, mut used) = self.check(grid, problem, x, few)?;
         report.first_excess = excess(&used);
-        if self.options.grid.is_some() && !self.options.tighten {
+        if self.options.jerk || (self.options.grid.is_some() && !self.options.tighten) {
             report.excess = report.first_excess;
             return Ok((legs, used));
         }
@@ -137,13 +142,14 @@ impl Solver<'_, '_> {
                 }
             }
             *x = self.fastest(problem, Some(x))?;
-            (legs, used) = self.check(grid, problem, x)?;
+            used = self.check(grid, problem, x, few)?.1;
         }
+        let (mut legs, mut used) = self.check(grid, problem, x, full)?;
         if excess(&used) > CLEAN && self.ends() == [0.0; 2] {
             let factor = used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
             x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
             report.slowed = factor.sqrt();
-            (legs, used) = self.check(grid, problem, x)?;
+            (legs, used) = self.check(grid, problem, x, full)?;
         }
         report.excess = excess(&used);
         if report.excess > 1e-6 {
@@ -199,42 +205,36 @@ fn inherited(before: &Problem, s: &[f64]) -> Vec<f64> {
     s.windows(2).map(|w| before.bend[parent(0.5 * (w[0] + w[1]))]).collect()
 }
 
-/// Where intervals should be cut: where a switch falls inside them, and in the middle where the path acceleration changes much for the time spent there.
-fn refinement(s: &[f64], x: &[f64], bend: &[f64], tolerance: f64) -> Vec<Vec<f64>> {
-    let n = bend.len();
+/// Where intervals should be cut: where limits are left unused, at the switch where one falls inside, else evenly.
+fn refinement(problem: &Problem, x: &[f64], bounds: &Bounds, tolerance: f64) -> Vec<Vec<f64>> {
+    let (s, bend, n) = (&problem.s, &problem.bend, problem.bend.len());
     let step = |k: usize| s[k + 1] - s[k];
     let u: Vec<f64> = (0..n).map(|k| (x[k + 1] - x[k]) / (2.0 * step(k))).collect();
     let time = |k: usize| 2.0 * step(k) / (x[k].sqrt() + x[k + 1].sqrt()).max(f64::MIN_POSITIVE);
     let total: f64 = (0..n).map(time).sum();
     // Path acceleration at the start and the end of an interval.
     let at = |k: usize, side: f64| u[k] + 0.5 * side * bend[k] * step(k);
-    let loss = |k: usize| {
-        let before = if k > 0 { (at(k, -1.0) - at(k - 1, 1.0)).abs() } else { 0.0 };
-        let after = if k + 1 < n { (at(k + 1, -1.0) - at(k, 1.0)).abs() } else { 0.0 };
-        let mean = 0.5 * (x[k] + x[k + 1]);
-        if mean > 0.0 { time(k) * (0.25 * (before + after) * step(k) / mean).min(1.0) } else { 0.0 }
-    };
-    let losses: Vec<f64> = (0..n).map(loss).collect();
+    let mut limits = Vec::new();
+    let losses: Vec<f64> = (0..n).map(|k| 0.5 * time(k) * problem.slack(k, bounds, x, &mut limits)).collect();
     let sum: f64 = losses.iter().sum();
     let mut cuts = vec![Vec::new(); n];
     if sum <= tolerance * total {
         return cuts;
     }
     let fair = tolerance * total / n as f64;
-    for k in 0..n {
-        if losses[k] > fair {
-            let [a, b] = [s[k], s[k + 1]];
-            let mut cut = 0.5 * (a + b);
-            if k > 0 && k + 1 < n && (u[k - 1] - u[k]) * (u[k] - u[k + 1]) > 0.0 {
-                // Where the line from the left meets the line from the right.
-                let (left, right) = (at(k - 1, 1.0), at(k + 1, -1.0));
-                let meet = (x[k + 1] - x[k] - 2.0 * right * (b - a)) / (2.0 * (left - right)) + a;
-                if meet > a + 0.02 * (b - a) && meet < b - 0.02 * (b - a) {
-                    cut = meet;
-                }
+    for k in (0..n).filter(|k| losses[*k] > fair) {
+        let [a, b] = [s[k], s[k + 1]];
+        if k > 0 && k + 1 < n && (u[k - 1] - u[k]) * (u[k] - u[k + 1]) > 0.0 {
+            // Where the line from the left meets the line from the right.
+            let (left, right) = (at(k - 1, 1.0), at(k + 1, -1.0));
+            let meet = (x[k + 1] - x[k] - 2.0 * right * (b - a)) / (2.0 * (left - right)) + a;
+            if meet > a + 0.02 * (b - a) && meet < b - 0.02 * (b - a) {
+                cuts[k].push(meet);
+                continue;
             }
-            cuts[k].push(cut);
         }
+        let parts = (losses[k] / fair).cbrt().ceil().clamp(2.0, 4.0);
+        cuts[k].extend((1..parts as usize).map(|i| a + (b - a) * i as f64 / parts));
     }
     cuts
 }

@@ -25,6 +25,8 @@ pub(super) struct Strips {
     pub reach: Vec<f64>,
     /// What `x` gains over each interval besides `reach * u`: the path acceleration need not be constant.
     pub gain: Vec<f64>,
+    /// Whether each interval admits rest: `u = 0` at `x = 0`.
+    rests: Vec<bool>,
     /// Lowest `x` at each node.
     pub floor: Vec<f64>,
     /// Highest `x` at each node.
@@ -39,15 +41,6 @@ pub(super) struct Limit {
     pub c: f64,
     pub low: f64,
     pub high: f64,
-}
-
-/// Bounds of `u`, and the slopes of the lines that make them.
-#[derive(Debug, Clone, Copy)]
-struct Ends {
-    low: f64,
-    high: f64,
-    low_slope: f64,
-    high_slope: f64,
 }
 
 /// Where the passes find no way on.
@@ -71,6 +64,7 @@ impl Strips {
             high: vec![f64::INFINITY; count],
             reach: s.windows(2).map(|w| 2.0 * (w[1] - w[0])).collect(),
             gain: vec![0.0; s.len() - 1],
+            rests: vec![true; s.len() - 1],
             floor: vec![0.0; s.len()],
             ceiling,
         }
@@ -88,6 +82,7 @@ impl Strips {
         let (p, q) = ((low - c) * inverse, (high - c) * inverse);
         self.slope[at] = b * inverse;
         (self.low[at], self.high[at]) = if a > 0.0 { (p, q) } else { (q, p) };
+        self.rests[k] &= self.low[at] <= 0.0 && self.high[at] >= 0.0;
     }
 
     /// Bounds `x` at a node by `low <= b x <= high`.
@@ -108,7 +103,7 @@ impl Strips {
         let rows = start.a.len();
         let far = self.reach[k];
         let base = k * self.width;
-        let mut regular = true;
+        let (mut regular, mut rests) = (true, true);
         for (offset, columns, far) in [(base, start, 0.0), (base + rows, end, far)] {
             let slope = &mut self.slope[offset..offset + rows];
             let low = &mut self.low[offset..offset + rows];
@@ -122,8 +117,10 @@ impl Strips {
                 let (p, q) = ((bottom[i] - c[i]) * inverse, (top[i] - c[i]) * inverse);
                 slope[i] = b[i] * inverse;
                 (low[i], high[i]) = (if p < q { p } else { q }, if p < q { q } else { p });
+                rests &= low[i] <= 0.0 && high[i] >= 0.0;
             }
         }
+        self.rests[k] = rests;
         if !regular {
             for (i, columns, far) in [(0, start, 0.0), (rows, end, far)] {
                 for r in 0..rows {
@@ -141,15 +138,56 @@ impl Strips {
         }
     }
 
-    fn ends(&self, k: usize, x: f64) -> Ends {
+    fn lines(&self, k: usize) -> [&[[f64; LANES]]; 3] {
         let range = k * self.width..(k + 1) * self.width;
-        extremes(&self.slope[range.clone()], &self.low[range.clone()], &self.high[range], x)
+        [&self.slope[range.clone()], &self.low[range.clone()], &self.high[range]].map(|v| v.as_chunks().0)
+    }
+
+    /// Highest lower and lowest upper line of interval `k` at `x`.
+    fn bounds(&self, k: usize, x: f64) -> [f64; 2] {
+        let [slope, low, high] = self.lines(k);
+        let (mut bottom, mut top) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
+        for ((slope, low), high) in slope.iter().zip(low).zip(high) {
+            for i in 0..LANES {
+                let shift = slope[i] * x;
+                let (l, h) = (low[i] - shift, high[i] - shift);
+                bottom[i] = if l > bottom[i] { l } else { bottom[i] };
+                top[i] = if h < top[i] { h } else { top[i] };
+            }
+        }
+        [bottom.into_iter().fold(f64::NEG_INFINITY, f64::max), top.into_iter().fold(f64::INFINITY, f64::min)]
+    }
+
+    /// Lowest upper line of interval `k` at `x`.
+    fn upper(&self, k: usize, x: f64) -> f64 {
+        let [slope, _, high] = self.lines(k);
+        let mut top = [f64::INFINITY; LANES];
+        for (slope, high) in slope.iter().zip(high) {
+            for i in 0..LANES {
+                let h = high[i] - slope[i] * x;
+                top[i] = if h < top[i] { h } else { top[i] };
+            }
+        }
+        top.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Slopes of the lines of interval `k` that take the given bounds at `x`.
+    fn slopes(&self, k: usize, x: f64, bounds: [f64; 2]) -> [f64; 2] {
+        let [slope, low, high] = self.lines(k);
+        let mut found = [0.0; 2];
+        for ((slope, low), high) in slope.iter().zip(low).zip(high) {
+            for i in 0..LANES {
+                let shift = slope[i] * x;
+                found[0] = if low[i] - shift >= bounds[0] { slope[i] } else { found[0] };
+                found[1] = if high[i] - shift <= bounds[1] { slope[i] } else { found[1] };
+            }
+        }
+        found
     }
 
     /// Bounds of `u` on interval `k` when it starts at `x`, by its lines alone.
     pub fn accelerations(&self, k: usize, x: f64) -> [f64; 2] {
-        let ends = self.ends(k, x);
-        [ends.low, ends.high]
+        self.bounds(k, x)
     }
 
     /// Which line bounds `u` on interval `k` at `x` from below and from above.
@@ -173,19 +211,16 @@ impl Strips {
         let [first, last] = if upper { [range[1], range[0]] } else { range };
         let mut x = first;
         for _ in 0..100 {
-            let mut ends = self.ends(k, x);
-            let [low, high] = target.map(|t| t - slope * x);
-            if low > ends.low {
-                (ends.low, ends.low_slope) = (low, slope);
-            }
-            if high < ends.high {
-                (ends.high, ends.high_slope) = (high, slope);
-            }
-            let gap = ends.low - ends.high;
-            if gap <= ROUNDING * (ends.low.abs() + ends.high.abs()).min(f64::MAX) {
+            let lines = self.bounds(k, x);
+            let next = target.map(|t| t - slope * x);
+            let [low, high] = [lines[0].max(next[0]), lines[1].min(next[1])];
+            let gap = low - high;
+            if gap <= ROUNDING * (low.abs() + high.abs()).min(f64::MAX) {
                 return Some(x);
             }
-            let rate = ends.high_slope - ends.low_slope;
+            let slopes = self.slopes(k, x, lines);
+            let low_slope = if next[0] > lines[0] { slope } else { slopes[0] };
+            let rate = if next[1] < lines[1] { slope } else { slopes[1] } - low_slope;
             let mut step = x - gap / rate;
             if upper && step < 0.5 * x {
                 // A long step rounds to the size of where it began; the next one must still come from above.
@@ -216,7 +251,8 @@ impl Strips {
             let range = [self.floor[k], self.ceiling[k]];
             let found = if range[0] <= range[1] { self.edge(k, sets[k + 1], range, true) } else { None };
             let high = found.ok_or(Stuck { node: k, boundary: None })?;
-            let low = self.edge(k, sets[k + 1], [range[0], high], false).unwrap_or(high);
+            let rest = range[0] == 0.0 && self.rests[k] && sets[k + 1][0] <= self.gain[k] && self.gain[k] <= sets[k + 1][1];
+            let low = if rest { 0.0 } else { self.edge(k, sets[k + 1], [range[0], high], false).unwrap_or(high) };
             sets[k] = [low, high];
         }
         Ok(sets)
@@ -233,7 +269,7 @@ impl Strips {
         let mut here = ends[0].clamp(low, high);
         x.push(here);
         for (k, next) in sets[1..].iter().enumerate() {
-            let u = self.ends(k, here).high;
+            let u = self.upper(k, here);
             here = (here + self.reach[k] * u + self.gain[k]).min(next[1]).max(next[0]);
             x.push(here);
         }
@@ -249,28 +285,4 @@ pub(super) struct Columns<'a> {
     pub c: &'a [f64],
     pub bottom: &'a [f64],
     pub top: &'a [f64],
-}
-
-/// Highest lower and lowest upper line at `x`.
-fn extremes(slope: &[f64], low: &[f64], high: &[f64], x: f64) -> Ends {
-    let (mut bottom, mut top) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
-    let (mut below, mut above) = ([0.0; LANES], [0.0; LANES]);
-    for ((slope, low), high) in slope.as_chunks::<LANES>().0.iter().zip(low.as_chunks::<LANES>().0).zip(high.as_chunks::<LANES>().0) {
-        for i in 0..LANES {
-            let shift = slope[i] * x;
-            let (l, h) = (low[i] - shift, high[i] - shift);
-            (bottom[i], below[i]) = if l > bottom[i] { (l, slope[i]) } else { (bottom[i], below[i]) };
-            (top[i], above[i]) = if h < top[i] { (h, slope[i]) } else { (top[i], above[i]) };
-        }
-    }
-    let mut ends = Ends { low: bottom[0], high: top[0], low_slope: below[0], high_slope: above[0] };
-    for i in 1..LANES {
-        if bottom[i] > ends.low {
-            (ends.low, ends.low_slope) = (bottom[i], below[i]);
-        }
-        if top[i] < ends.high {
-            (ends.high, ends.high_slope) = (top[i], above[i]);
-        }
-    }
-    ends
 }

@@ -52,7 +52,7 @@ fn random_splines_keep_their_limits_everywhere_and_are_near_the_optimum() {
         let [v, a] = worst(&motion, &usual(), 20);
         assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6, "seed {seed}: {v} {a}");
         assert!(motion.report.excess <= 1e-6);
-        let fine = fastest(&path, &usual(), &TopOptions { grid: Some(6000), check: 4, ..TopOptions::default() });
+        let fine = fastest(&path, &usual(), &TopOptions { grid: Some(3000), check: 4, ..TopOptions::default() });
         assert!(motion.duration() <= 1.001 * fine.duration(), "seed {seed}: {} {}", motion.duration(), fine.duration());
         assert_eq!((motion.s.len(), motion.active.len(), motion.mvc.len()), (motion.x.len(), motion.s.len(), motion.s.len()));
         assert!(motion.x.iter().zip(&motion.mvc).all(|(x, top)| *x <= top * (1.0 + 1e-6) + 1e-12), "seed {seed}");
@@ -116,4 +116,74 @@ fn boundary_speeds_are_met_or_refused() {
         let options = TopOptions { start_speed: start, end_speed: end, ..TopOptions::default() };
         assert!(time_joints(&path, &usual(), &options, &mut Demands::default()).is_err());
     }
+}
+
+/// Largest use of speed, acceleration and jerk, by the path's own evaluation.
+fn worst_jerk(motion: &JointMotion, limits: &JointLimits, count: usize) -> [f64; 3] {
+    let bounds = limits.bounds(motion.path.dimension()).unwrap();
+    let mut worst = [0.0f64; 3];
+    for piece in &motion.pieces {
+        for j in 0..count {
+            let state = motion.at(piece.start() + piece.duration() * (j as f64 + 0.5) / count as f64);
+            for i in 0..motion.path.dimension() {
+                for (k, bound) in [&bounds.speed, &bounds.acceleration, &bounds.jerk].into_iter().enumerate() {
+                    worst[k] = worst[k].max(state.joints[k + 1][i].abs() / bound[i]);
+                }
+            }
+        }
+    }
+    worst
+}
+
+fn with_jerk(limits: JointLimits, jerk: f64) -> JointLimits {
+    JointLimits { jerk: Some(PerJoint::All(jerk)), ..limits }
+}
+
+#[test]
+fn jerk_limited_motions_keep_every_limit_and_cost_little() {
+    let limits = with_jerk(usual(), 1e4f64.to_radians());
+    for seed in 0..6 {
+        let path = random_path(seed, 6 + seed as usize, 3 + seed as usize % 4);
+        let second = fastest(&path, &limits, &TopOptions::default());
+        let motion = fastest(&path, &limits, &TopOptions { jerk: true, ..TopOptions::default() });
+        let used = worst_jerk(&motion, &limits, 10);
+        assert!(used.iter().all(|used| *used <= 1.0 + 1e-6), "seed {seed}: {used:?}");
+        assert!(motion.duration() > second.duration() && motion.duration() < 1.06 * second.duration(), "seed {seed}: {}", motion.duration());
+        let price: f64 = motion.price.iter().map(|p| p.1).sum();
+        assert!((price - (motion.duration() - second.duration())).abs() < 2e-3 * second.duration());
+        let states: Vec<JointState> = motion.pieces.iter().map(|p| motion.at(p.start())).collect();
+        for (piece, next) in motion.pieces.iter().zip(&states[1..]) {
+            let Piece::Along { acceleration, jerk, duration, .. } = piece else { continue };
+            assert!((acceleration + jerk * duration - next.acceleration).abs() < 1e-6, "the acceleration jumps");
+        }
+    }
+}
+
+#[test]
+fn jerk_limited_straight_lines_are_s_curves() {
+    use crate::timing::scurve::{Bounds, Jerks, SCurve};
+    for (d, v, a, j) in
+        [(1.0, 100.0, 100.0, 1000.0), (1.0, 1.0, 100.0, 100.0), (2.0, 1.0, 4.0, 40.0), (1e-5, 10.0, 10.0, 100.0), (3.0, 100.0, 1.0, 50.0)]
+    {
+        let limits = with_jerk(limits(v, a), j);
+        let path = Path::through(&[0.0, 0.0, 0.0, d], 2).unwrap();
+        let motion = fastest(&path, &limits, &TopOptions { jerk: true, ..TopOptions::default() });
+        let bounds = Bounds { speed: v, acceleration: a, deceleration: a, jerk: Jerks::all(j) };
+        let exact = SCurve { distance: d, start: (0.0, 0.0), end: (0.0, 0.0), bounds }.plan().unwrap().duration();
+        let ratio = motion.duration() / exact;
+        let used = worst_jerk(&motion, &limits, 10);
+        assert!(ratio > 1.0 - 1e-9 && ratio < 1.01 && used.iter().all(|u| *u <= 1.0 + 1e-6), "{d} {v} {a} {j}: {ratio} {used:?}");
+    }
+}
+
+#[test]
+fn jerk_limited_motions_stop_at_corners() {
+    let limits = with_jerk(limits(2.0, 4.0), 40.0);
+    let corners = Path::new(1, 2, vec![0.0, 0.0, 1.0, 2.0, 2.0], vec![0.0, 0.0, 1.0, 0.0, 1.0, 1.0]).unwrap();
+    let motion = fastest(&corners, &limits, &TopOptions { jerk: true, ..TopOptions::default() });
+    let half = motion.at(0.5 * motion.duration());
+    assert!((half.s - 1.0).abs() < 1e-6 && half.speed < 1e-3);
+    assert!(worst_jerk(&motion, &limits, 10).iter().all(|u| *u <= 1.0 + 1e-6));
+    let options = TopOptions { jerk: true, start_speed: 1.0, ..TopOptions::default() };
+    assert!(time_joints(&corners, &limits, &options, &mut Demands::default()).is_err());
 }

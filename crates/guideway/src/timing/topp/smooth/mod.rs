@@ -1,0 +1,208 @@
+//! The jerk-limited motion from the second-order optimum.
+//!
+//! Between two stops the second-order optimum, averaged over time, is a reference whose time is the variable; the squared speed `y` of that time is found by
+//! a barrier method ([`barrier`]) with the limits of speed, acceleration and jerk at the ends of the cells on which the jerk is constant. The result is
+//! turned into pieces of constant path jerk ([`pieces`]); these are checked densely, the limits tightened where they exceed, and what is left is removed by
+//! slowing the stretch down as a whole, which divides the jerk by the cube of the factor.
+
+mod barrier;
+mod pieces;
+mod reference;
+mod rows;
+
+use super::course::{Course, Span};
+use super::limits::Bounds;
+use super::motion::Leg;
+use super::problem::Demands;
+use super::solve::Solved;
+use crate::error::PlanError;
+use crate::timing::Piece;
+use crate::timing::scurve::advance;
+use barrier::Barrier;
+use pieces::Walker;
+use reference::Reference;
+use rows::{Kinetic, Posed};
+
+/// Cells if no number is asked for, and fewest per stretch.
+const CELLS: usize = 500;
+const FEWEST: usize = 40;
+/// Weights of the barrier, per node: first, and last as the share of the duration that it may give away.
+const FIRST: f64 = 0.05;
+const LAST: f64 = 3e-4;
+/// First weight once the reference is a solution itself.
+const AGAIN: f64 = 3e-3;
+/// Cells of the first round.
+const COARSE: usize = 250;
+/// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`.
+const ROUNDS: usize = 4;
+const GOOD: f64 = 1e-3;
+/// Places per piece of the checks before the last one.
+const FEW: usize = 3;
+/// Room kept within the limits when the motion is slowed down, and when they are tightened.
+const ROOM: f64 = 1e-9;
+const EXTRA: f64 = 1e-3;
+
+/// A jerk-limited motion.
+pub(super) struct Smooth {
+    pub pieces: Vec<Piece>,
+    /// Use of speed, acceleration, jerk and demands of every pair of pieces.
+    pub used: Vec<[f64; 4]>,
+    /// Sensitivity of the duration to each limit of jerk, s per relative change.
+    pub prices: Vec<f64>,
+    /// Newton steps, rounds of tightening, factor of the slow-down at the end.
+    pub steps: usize,
+    pub tightenings: usize,
+    pub slowed: f64,
+}
+
+/// What the problem of a stretch is made of.
+pub(super) struct Task<'a, 'd> {
+    pub course: &'a Course,
+    pub bounds: &'a Bounds,
+    pub demands: &'a mut Demands<'d>,
+    /// Cells, all stretches together.
+    pub cells: Option<usize>,
+    pub check: usize,
+}
+
+impl Task<'_, '_> {
+    /// The jerk-limited motion along the whole path.
+    pub fn solve(&mut self, solved: &Solved, spans: &[Span]) -> Result<Smooth, PlanError> {
+        let (s, x) = (&solved.problem.s, &solved.x);
+        let total: f64 = solved.legs.iter().map(|leg| leg.duration).sum();
+        let mut smooth =
+            Smooth { pieces: Vec::new(), used: Vec::new(), prices: vec![0.0; self.bounds.jerk.len()], steps: 0, tightenings: 0, slowed: 1.0 };
+        let mut from = 0;
+        for to in 1..s.len() {
+            if x[to] > 0.0 {
+                continue;
+            }
+            let legs = &solved.legs[from..to];
+            let share = legs.iter().map(|leg| leg.duration).sum::<f64>() / total;
+            let cells = ((self.cells.unwrap_or(CELLS) as f64 * share).round() as usize).max(FEWEST);
+            self.stretch(legs, [s[from], s[to]], (spans, cells), &mut smooth)?;
+            from = to;
+        }
+        Ok(smooth)
+    }
+
+    /// One stretch from rest to rest, added to `smooth`.
+    fn stretch(&mut self, legs: &[Leg], ends: [f64; 2], (spans, cells): (&[Span], usize), smooth: &mut Smooth) -> Result<(), PlanError> {
+        let mut walker = Walker::new(self.course, spans);
+        let coarse = cells.min(COARSE);
+        let mut posed = self.first(legs, ends, coarse, &mut walker);
+        let mut tight = vec![[1.0; 3]; coarse];
+        let mut best: Option<Told> = None;
+        for round in 0..ROUNDS {
+            posed.limits(self.bounds, &tight, self.demands)?;
+            let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
+            if round > 0 {
+                posed.prune();
+            }
+            let Some(mut y) = posed.start() else { break };
+            let first = if round == 0 { FIRST } else { AGAIN };
+            smooth.steps += Barrier { step: &posed.step, rows: &posed.rows, top: &posed.top }.minimise(&mut y, first * per_cell, LAST * per_cell);
+            let Some(pieces) = pieces::through(&posed.states(&y)) else { break };
+            let told = self.told(pieces, self.check.min(FEW), &mut walker)?;
+            smooth.tightenings += 1;
+            smooth.prices.fill(0.0);
+            posed.sensitivities(&y, LAST * per_cell, &mut smooth.prices);
+            let good = told.slower <= 1.0 + GOOD;
+            let parts = if round == 0 { cells.div_ceil(coarse) } else { 1 };
+            let (lengths, ends) = told.cells(parts);
+            if round > 0 {
+                for (tight, used) in tight.iter_mut().zip(&told.used) {
+                    for i in 0..3 {
+                        tight[i] = (tight[i] * if used[i] > 1.0 { used[i] * (1.0 + EXTRA) } else { 1.0 }).min(1.2);
+                    }
+                }
+            } else {
+                tight = vec![[1.0; 3]; lengths.len()];
+            }
+            if best.as_ref().is_none_or(|b| told.time * told.slower < b.time * b.slower) {
+                best = Some(told);
+            }
+            if good {
+                break;
+            }
+            posed = Posed::new(lengths, ends, &mut walker);
+        }
+        let Some(told) = best else {
+            let reason = format!("no jerk-limited motion was found between s = {:.6} and {:.6} rad", ends[0], ends[1]);
+            return Err(PlanError::Infeasible { reason, best_end_speed: None });
+        };
+        let told = self.told(told.pieces, self.check.div_ceil(2), &mut walker)?;
+        smooth.slowed = smooth.slowed.max(told.slower);
+        let t0 = smooth.pieces.last().map_or(0.0, |p| p.start() + p.duration());
+        let (pieces, used) = told.slow();
+        smooth.pieces.extend(pieces.into_iter().map(|piece| piece.shifted(t0)));
+        smooth.used.extend(used);
+        Ok(())
+    }
+
+    /// The problem in the time of the averaged second-order motion, cells of equal length.
+    fn first(&self, legs: &[Leg], ends: [f64; 2], cells: usize, walker: &mut Walker) -> Posed {
+        let duration: f64 = legs.iter().map(|leg| leg.duration).sum();
+        let ramp = self.bounds.acceleration.iter().zip(&self.bounds.jerk).map(|(a, j)| a / j).filter(|w| w.is_finite()).fold(0.0, f64::max);
+        let ramp = if ramp > 0.0 { ramp.min(0.5 * duration) } else { 0.5 * duration };
+        let reference = Reference::new(legs, [ramp, 0.5 * (duration + ramp) / cells as f64]);
+        let even = reference.duration() / cells as f64;
+        let junctions: Vec<Kinetic> =
+            (0..=cells).map(|k| reference.at(even * k as f64)).map(|[s, v, a, j]| [(ends[0] + s).min(ends[1]), v, a, j]).collect();
+        let mut cells: Vec<[Kinetic; 2]> = junctions.windows(2).map(|w| [w[0], w[1]]).collect();
+        // The jerk of the reference grows from nothing in the end cells.
+        let last = cells.len() - 1;
+        cells[0][0][3] = cells[0][1][3];
+        cells[last][1][3] = cells[last][0][3];
+        cells[last][1][0] = ends[1];
+        Posed::new(vec![even; cells.len()], cells, walker)
+    }
+
+    /// Pieces and the use of the limits on them, by `places` places per piece.
+    fn told(&mut self, pieces: Vec<Piece>, places: usize, walker: &mut Walker) -> Result<Told, PlanError> {
+        let used = pieces::check(walker, &pieces, self.bounds, places);
+        let mut used: Vec<[f64; 4]> = used.into_iter().map(|[v, a, j]| [v, a, j, 0.0]).collect();
+        pieces::demands(self.demands, &pieces, places, &mut used)?;
+        let slower = used.iter().map(|[v, a, j, _]| v.max(a.sqrt()).max(j.cbrt())).fold(1.0, f64::max);
+        let time = pieces.last().map_or(0.0, |p| p.start() + p.duration());
+        Ok(Told { pieces, used, slower, time })
+    }
+}
+
+/// Pieces, two per cell, the use of the limits on every cell, and how much slower they must become to keep them.
+struct Told {
+    pieces: Vec<Piece>,
+    used: Vec<[f64; 4]>,
+    slower: f64,
+    time: f64,
+}
+
+impl Told {
+    /// Lengths of the cells, each cut into `parts`, and the motion at their ends.
+    fn cells(&self, parts: usize) -> (Vec<f64>, Vec<[Kinetic; 2]>) {
+        let (mut lengths, mut cells) = (Vec::new(), Vec::new());
+        for pair in self.pieces.chunks_exact(2) {
+            let whole = pair[0].duration() + pair[1].duration();
+            for i in 0..parts {
+                let at = |i: usize, before: bool| {
+                    let t = whole * i as f64 / parts as f64;
+                    let first = t < pair[0].duration() || (before && 2 * i == parts);
+                    let Piece::Along { s, speed, acceleration, jerk, duration, .. } = pair[usize::from(!first)] else { return [0.0; 4] };
+                    let (s, v, a) = advance((s, speed, acceleration), jerk, if first { t } else { t - pair[0].duration() }.min(duration));
+                    [s, v, a, jerk]
+                };
+                cells.push([at(i, false), at(i + 1, true)]);
+                lengths.push(whole / parts as f64);
+            }
+        }
+        (lengths, cells)
+    }
+
+    /// Slowed down until the limits are kept.
+    fn slow(mut self) -> (Vec<Piece>, Vec<[f64; 4]>) {
+        let factor = if self.slower > 1.0 { self.slower * (1.0 + ROOM) } else { 1.0 };
+        pieces::slowed(&mut self.pieces, factor);
+        let used = self.used.into_iter().map(|u| [u[0] / factor, u[1] / factor.powi(2), u[2] / factor.powi(3), u[3]]).collect();
+        (self.pieces, used)
+    }
+}

@@ -127,11 +127,11 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
     }
     let mut task = Task { course: &course, bounds: &bounds, demands, cells: options.grid, check: options.check };
     let smooth = task.solve(&solved, &solved.grid.spans)?;
-    Ok(smoothed(motion, smooth))
+    Ok(smoothed(&motion, smooth))
 }
 
 /// The second-order motion with its pieces replaced by the jerk-limited ones.
-fn smoothed(second: JointMotion, smooth: Smooth) -> JointMotion {
+fn smoothed(second: &JointMotion, smooth: Smooth) -> JointMotion {
     let mut motion = second.clone();
     let states: Vec<[f64; 3]> = smooth
         .pieces

@@ -334,7 +334,8 @@ def complaints(log: str) -> list[str]:
 
 @pytest.mark.usefixtures("browser")
 def test_the_page_draws_itself(tmp_path: Path) -> None:
-    target = view.arm_report([traj(), learned()], tmp_path / "r.html", title="A <cell>")
+    smooth = traj()["report"] | {"price": [["jerk of joint 1", 0.03], ["jerk of joint 2", 0.0]]}
+    target = view.arm_report([traj(report=smooth), learned()], tmp_path / "r.html", title="A <cell>")
     text, log = markup(f"{target.as_uri()}#t=0.5", tmp_path)
     assert complaints(log) == []
     assert '<h1 id="title">A &lt;cell&gt;</h1>' in text
@@ -342,6 +343,9 @@ def test_the_page_draws_itself(tmp_path: Path) -> None:
     assert "<b>0.50</b> / 2.00 s" in text
     assert "<b>1.00 rad/s</b> at 0.25 rad" in text
     assert text.count('class="curve"') == 4  # position, speed, acceleration, tool
+    assert "<dd>+0.030<small>s</small></dd>" in text
+    assert text.count("Jerk of base") == 1
+    assert "Jerk of elbow" not in text  # it costs nothing
     assert ">1.00 m/s<" in text  # the tool, 1 m out, at 1 rad/s
 
 

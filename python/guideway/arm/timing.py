@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,8 +58,10 @@ def time(
             raise BadParameter("torque limits need an arm: give arm=, or leave torque out")
         rows_of.check_static(arm, given.path, asked)
     rows, names, ceiling = demands(arm, given.path, asked, torque is not False)
+    began = perf_counter()
     found = _solve(given, asked, method, jerk, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
     motion = _motion(found, given, asked, arm, method)
+    motion.report["seconds"] = perf_counter() - began
     if check and len(motion.pieces):
         certificate = motion.certify(collisions=False)
         motion.report["certificate"] = certificate

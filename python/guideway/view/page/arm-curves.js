@@ -8,6 +8,8 @@ const QUANTITIES = [
   { id: "tau", title: "Torque", unit: "N m", limit: "torque" },
 ];
 
+const MOST_SHARE = 260; // % of a limit that a strip shows; what is beyond is cut off, the table of limits has it
+
 /** Bounds of a quantity of one joint at a sample: [low, high], null where it has none. Acceleration may differ from deceleration. */
 function boundsOf(motion, id, joint, i) {
   const { limits, range } = motion;
@@ -98,7 +100,7 @@ function makeCurves(host, link) {
   const extent = (strip, series, limits) => {
     const values = series.flatMap((one) => one.values).filter(finite);
     let [low, high] = [Math.min(0, ...values), Math.max(0, ...values)];
-    if (strip.shares) [low, high] = [Math.min(low, -100), Math.max(high, 100)];
+    if (strip.shares) [low, high] = [clamp(low, -MOST_SHARE, -100), clamp(high, 100, MOST_SHARE)];
     else for (const row of limits) {
       const far = row.reduce((a, b) => (Math.abs(b) > Math.abs(a) ? b : a), 0);
       if (Math.abs(far) < 2.2 * Math.max(Math.abs(low), Math.abs(high), 1e-9)) [low, high] = [Math.min(low, far), Math.max(high, far)];
@@ -121,7 +123,7 @@ function makeCurves(host, link) {
     const [low, high] = extent(strip, series, limits);
     const x = (time) => left + ((width - left - right) * time) / end;
     const y = (v) => height - bottom - ((height - bottom - top) * (v - low)) / (high - low);
-    const [xs, ys] = [ticksOf(0, end, (width - left - right) / 70), strip.shares ? { step: 100, ticks: [-100, 0, 100] } : ticksOf(low, high, 4)];
+    const [xs, ys] = [ticksOf(0, end, (width - left - right) / 70), strip.shares ? { step: 100, ticks: [-200, -100, 0, 100, 200] } : ticksOf(low, high, 4)];
     const svg = drawing("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "img", "aria-label": `${strip.spec.title} over time` });
     const frame = frameOf({ width, height, left, right, top, bottom, x, y, xs: lastOne ? xs : { ...xs, ticks: [] }, ys });
     svg.append(...frame, ...(lastOne ? [label(left - 16, height - 5, "s", { "text-anchor": "end", class: "name" })] : xs.ticks.map((v) => stroked(`M${Math.round(x(v)) + 0.5} ${top}V${height - bottom}`, "rule"))));
@@ -130,7 +132,7 @@ function makeCurves(host, link) {
       const shape = t.map((time, i) => `${i ? "L" : "M"}${x(time).toFixed(1)} ${clamp(y(row[i]), top, height - bottom).toFixed(1)}`).join("");
       svg.append(stroked(`${shape}V${side}H${left}Z`, "over"), stroked(shape, "limit"));
     }
-    series.forEach((one) => svg.append(stroked(joined(t, one.values, x, y), "line", { stroke: one.joint === null ? "var(--accent)" : jointInk(one.joint), "stroke-width": series.length === 1 ? 1.8 : 1.4 })));
+    series.forEach((one) => svg.append(stroked(joined(t, one.values, x, (v) => y(clamp(v, low, high))), "line", { stroke: one.joint === null ? "var(--accent)" : jointInk(one.joint), "stroke-width": series.length === 1 ? 1.8 : 1.4 })));
     strip.hand = stroked(`M0.5 ${top}V${height - bottom}`, "hand");
     strip.ghost = stroked(`M0.5 ${top}V${height - bottom}`, "ghost", { visibility: "hidden" });
     svg.append(strip.ghost, strip.hand);

@@ -41,10 +41,35 @@ function troubles(motion) {
   return out;
 }
 
+/** Seconds that bounds of jerk and torque rate cost, one row [name, seconds, joint] per bound. */
 function priceOf(motion) {
   const { price } = motion.report;
-  if (finite(price)) return [["Price of jerk", price]];
-  return Object.entries(record(price)).filter(([, value]) => finite(value)).map(([name, value]) => [`Price of ${words(name)}`, value]);
+  const rows = Array.isArray(price) ? price.filter(Array.isArray) : finite(price) ? [["jerk", price]] : Object.entries(record(price));
+  return rows.filter(([, value]) => finite(value)).map(([name, value]) => {
+    const [kind, owner] = String(name).split(" of ");
+    const numbered = /^joint (\d+)$/.exec(owner || "");
+    const joint = numbered ? Number(numbered[1]) - 1 : motion.joints.indexOf(owner);
+    return [joint >= 0 && joint < motion.joints.length ? `${words(kind)} of ${jointName(motion, joint)}` : words(name), value, joint >= 0 ? joint : null];
+  });
+}
+
+const priceSum = (motion) => priceOf(motion).reduce((sum, row) => sum + row[1], 0);
+
+/** Rows of a name, a bar and a text, in the colour of a joint. */
+function bars(rows) {
+  const most = Math.max(...rows.map((row) => row.part), 1e-12);
+  return make("div", { class: "held" }, ...rows.flatMap(({ name, joint, part, text }) => {
+    const bar = make("i", {});
+    bar.style.width = `${100 * clamp(part / Math.max(1, most), 0, 1)}%`;
+    const cells = [make("span", { class: "who" }, make("i", {}), capital(name)), make("div", { class: "bar" }, bar), make("span", { class: "n" }, text)];
+    cells.forEach((cell) => cell.style.setProperty("--who", jointInk(joint)));
+    return cells;
+  }));
+}
+
+function priceBars(motion) {
+  const [rows, sum] = [priceOf(motion).filter((row) => row[1] > 0).sort((one, two) => two[1] - one[1]), priceSum(motion)];
+  return rows.length ? bars(rows.map(([name, value, joint]) => ({ name, joint, part: value / sum, text: `${exact(value)} s` }))) : null;
 }
 
 function keyFigures(motion) {
@@ -53,12 +78,12 @@ function keyFigures(motion) {
   const { closest } = record(certificate.collision);
   const solver = record(motion.report.solver);
   const seconds = [motion.report.seconds, solver.seconds].find(finite);
-  const [price] = priceOf(motion);
+  const price = priceSum(motion);
   return [
     ["Duration", exact(motion.duration), "s"],
     finite(motion.oracleDuration) ? ["Over the optimum", `${(100 * (motion.duration / motion.oracleDuration - 1)).toFixed(1)}`, "%"] : null,
     finite(motion.path.length) ? ["Path of the joints", show(motion.path.length), "rad"] : null,
-    price ? [price[0], `${price[1] >= 0 ? "+" : "\u2212"}${exact(Math.abs(price[1]))}`, "s"] : null,
+    priceOf(motion).length ? ["Price of jerk", `${price >= 0 ? "+" : "\u2212"}${exact(Math.abs(price))}`, "s"] : null,
     used ? ["Largest use", (100 * used.ratio).toFixed(1), "%"] : null,
     record(closest).distance !== undefined && finite(record(closest).distance) ? ["Least clearance", atLeast(record(closest).distance), "m"] : null,
     finite(seconds) ? ["Computing time", seconds < 1 ? show(1000 * seconds) : show(seconds), seconds < 1 ? "ms" : "s"] : null,
@@ -141,13 +166,7 @@ function heldBy(motion) {
   const rows = [...sums.values()].sort((a, b) => b.time - a.time).slice(0, 14);
   const whole = [...sums.values()].reduce((sum, entry) => sum + entry.time, 0) || 1;
   if (!rows.length) return null;
-  return make("div", { class: "held" }, ...rows.flatMap((entry) => {
-    const bar = make("i", {});
-    bar.style.width = `${(100 * entry.time) / whole}%`;
-    const cells = [make("span", { class: "who" }, make("i", {}), capital(entry.name)), make("div", { class: "bar" }, bar), make("span", { class: "n" }, entry.time < 0.005 * whole ? "< 1 %" : `${((100 * entry.time) / whole).toFixed(0)} %`)];
-    cells.forEach((cell) => cell.style.setProperty("--who", jointInk(entry.joint)));
-    return cells;
-  }));
+  return bars(rows.map((entry) => ({ ...entry, part: entry.time / whole, text: entry.time < 0.005 * whole ? "< 1 %" : `${((100 * entry.time) / whole).toFixed(0)} %` })));
 }
 
 const UNITS = { speed: "rad/s", acceleration: "rad/s\u00b2", deceleration: "rad/s\u00b2", jerk: "rad/s\u00b3", torque: "N m", torque_rate: "N m/s", tip_speed: "m/s", tip_acceleration: "m/s\u00b2" };
@@ -191,7 +210,6 @@ function methodTable(motion) {
   const walk = record(report.path);
   return pairs([
     ["Method", report.method && plain(report.method)],
-    ...priceOf(motion).map(([name, value]) => [name, `${exact(value)} s`]),
     ["Path", path.source && plain(path.source)],
     ["Spline within", finite(walk.deviation) ? (walk.deviation < 1e-4 ? `${show(1e6 * walk.deviation)} \u00b5m of the tool's path` : `${show(1000 * walk.deviation)} mm of the tool's path`) : null],
     ["Smallest singular value", finite(walk.smallest_singular_value) ? walk.smallest_singular_value.toFixed(4) : null],
@@ -206,11 +224,12 @@ function methodTable(motion) {
 function fillDetails(host, motion, seek) {
   host.replaceChildren(...[
     block("What holds the motion back", heldBy(motion), make("p", { class: "small" }, "Share of the duration during which a limit is the one that keeps the motion from being faster.")),
+    block("What smoothness costs", priceBars(motion), make("p", { class: "small" }, "Time lost to each bound of jerk or torque rate, against the fastest motion without them.")),
     block("Use of the limits", useTable(motion, seek), checkList(motion)),
     block("Limits", limitTable(motion)),
     block(motion.trials.length ? "Robot, as the learner knew it" : "Robot", robotTable(motion)),
     block("How it was found", methodTable(motion)),
-  ].filter((node, i) => node && (i !== 0 || motion.stretches.length)));
+  ].filter((node, i) => node && (i !== 0 || motion.stretches.length) && (i !== 1 || priceOf(motion).length)));
 }
 
 /** Several motions beside each other; `choose(i)` brings one to the front. */

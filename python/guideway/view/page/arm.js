@@ -86,12 +86,12 @@ function addTool(motion, { bodies, around }) {
   motion.yaw = Math.atan2(middle[1], middle[0]) + 0.85;
 }
 
-/** The payload as a ball of its mass, 1.5 kg a litre, at its centre. */
+/** The payload as a ball of steel of its mass, at its centre. */
 function loadOf(motion) {
   const { mass, at } = record(record(motion.robot).payload);
   if (!(mass > 0) || list(at).length !== 3 || !at.every(finite)) return [];
   const center = moved(motion.chain.tip.pose, at);
-  return [{ ...capsule(center, center, Math.cbrt((3 * mass) / (4 * Math.PI * 1500)), motion.chain.tip.joint), part: "load" }];
+  return [{ ...capsule(center, center, Math.cbrt((3 * mass) / (4 * Math.PI * 7800)), motion.chain.tip.joint), part: "load" }];
 }
 
 /** When a motion is first shown: where something went wrong, else some way along. */
@@ -214,7 +214,7 @@ function sceneKeys(motion) {
   if (!motion.chain) return [];
   const lit = motion.stretches.length || motion.limits.speed ? [make("div", { class: "wide" }, "Coloured links: their joint is near a limit.")] : [];
   const load = number(record(record(motion.robot).payload).mass);
-  if (load > 0) lit.unshift(make("div", { class: "wide" }, `Ball: payload of ${trimmed(load)} kg.`));
+  if (load > 0) lit.unshift(make("div", { class: "wide" }, `Ball: ${trimmed(load)} kg of payload, as steel.`));
   return [make("div", { class: "ramp" }, "Tool 0", make("i", {}), `${show(motion.fastest)} m/s`), make("div", {}, `Floor: squares of ${trimmed(motion.floor.step)} m.`), ...lit];
 }
 

@@ -54,7 +54,7 @@ impl Cruises<'_> {
 
     #[inline]
     fn at(&self, zone: Zone, z: f64) -> Cruise {
-        let Line { start, end, up, down, jerk, .. } = *self.line;
+        let Line { start, end, up, down, jerk, inverse, .. } = *self.line;
         let (low, high) = (self.low, 1 - self.low);
         // (rise above the lower resting speed, distance from the higher one, direction from each, cruising speed)
         let (from_low, from_high, sign_low, sign_high, speed) = match zone {
@@ -67,14 +67,14 @@ impl Cruises<'_> {
         (away[low], away[high], signs[low], signs[high]) = (from_low, from_high, sign_low, sign_high);
         let leg = |i: usize, a: f64, rising: f64, falling: f64| {
             let limit = if signs[i] > 0.0 { rising } else { falling };
-            Leg::new(jerk * away[i] + a.max(0.0).powi(2), (a, 0.0), limit, jerk)
+            Leg::new(jerk * away[i] + a.max(0.0).powi(2), (a, 0.0), limit, (jerk, inverse))
         };
         // The second leg is seen in reversed time.
         let legs = [leg(0, signs[0] * start.1, up, down), leg(1, -signs[1] * end.1, down, up)];
         let hold = self.time - legs[0].time() - legs[1].time();
         Cruise {
             distance: speed * self.time - signs[0] * legs[0].area - signs[1] * legs[1].area,
-            slope: hold + (legs[0].peak + legs[1].peak) / (2.0 * jerk),
+            slope: hold + (legs[0].peak + legs[1].peak) * (0.5 * inverse),
             legs,
             signs,
             speed,
@@ -132,22 +132,22 @@ impl Cruises<'_> {
 
 /// A motion of `line` over `distance` in exactly `time` seconds; the distance must be in the reach of that time, else the nearest end
 /// of it is covered.
-pub(super) fn exactly(line: &Line, distance: f64, time: f64) -> Vec<Phase> {
+pub(super) fn exactly(line: &Line, distance: f64, time: f64, phases: &mut Vec<Phase>) {
     let all = Cruises::new(line, time);
     let (low, high) = (all.at(Zone::Below, 0.0), all.at(Zone::Above, 0.0));
     let (low_fits, high_fits) = (all.fits(&low), all.fits(&high));
-    let taken = |cruise: &Cruise| all.shape(cruise).phases().to_vec();
-    if high_fits && distance >= high.distance {
-        return taken(&all.find(Zone::Above, line.speed.1 - high.speed, distance));
-    }
-    if low_fits && distance <= low.distance {
-        return taken(&all.find(Zone::Below, low.speed - line.speed.0, distance));
-    }
-    between(&all, (low_fits, high_fits), distance)
+    let cruise = if high_fits && distance >= high.distance {
+        all.find(Zone::Above, line.speed.1 - high.speed, distance)
+    } else if low_fits && distance <= low.distance {
+        all.find(Zone::Below, low.speed - line.speed.0, distance)
+    } else {
+        return between(&all, (low_fits, high_fits), distance, phases);
+    };
+    phases.extend_from_slice(all.shape(&cruise).phases());
 }
 
 /// The cruising speed is between the resting speeds, or no cruise fits.
-fn between(all: &Cruises<'_>, (low_fits, high_fits): (bool, bool), distance: f64) -> Vec<Phase> {
+fn between(all: &Cruises<'_>, (low_fits, high_fits): (bool, bool), distance: f64, phases: &mut Vec<Phase>) {
     let slowest = all.slowest();
     let whole = all.fits(&all.at(Zone::FromLow, slowest));
     let side = |zone: Zone, most: f64| if whole { most } else { all.edge(zone, most) };
@@ -159,14 +159,14 @@ fn between(all: &Cruises<'_>, (low_fits, high_fits): (bool, bool), distance: f64
         let most = side(zone, most);
         let edge = all.at(zone, most);
         if (slot == 0 && distance <= edge.distance) || (slot == 1 && distance >= edge.distance) {
-            return all.shape(&all.find(zone, most, distance)).phases().to_vec();
+            return phases.extend_from_slice(all.shape(&all.find(zone, most, distance)).phases());
         }
         ends[slot] = Some((all.shape(&edge).phases().to_vec(), edge.distance));
     }
     let [lower, upper] = ends;
     let lower = lower.unwrap_or_else(|| extreme(&Widest::new(all.line, true), all.time));
     let upper = upper.unwrap_or_else(|| extreme(&Widest::new(all.line, false), all.time));
-    mixed(lower, upper, distance)
+    phases.extend(mixed(lower, upper, distance));
 }
 
 /// The member of a family that takes this long, and what it covers.

@@ -22,20 +22,25 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// From acceleration `first` to `last` with the square `q` of the peak, at most `limit`.
+    /// From acceleration `first` to `last` with the square `q` of the peak, at most `limit`; jerk and one over it.
     #[inline]
-    pub(super) fn new(q: f64, (first, last): (f64, f64), limit: f64, jerk: f64) -> Self {
+    pub(super) fn new(q: f64, (first, last): (f64, f64), limit: f64, (jerk, inverse): (f64, f64)) -> Self {
         let free = q.max(0.0).sqrt();
-        let peak = free.min(limit);
-        let hold = if free > limit { (q - limit * limit) / (jerk * limit) } else { 0.0 };
-        let rise = ((peak - first) / jerk).max(0.0);
-        let fall = ((peak - last) / jerk).max(0.0);
+        let (peak, hold) = if free > limit { (limit, (q - limit * limit) * inverse / limit) } else { (free, 0.0) };
+        let rise = ((peak - first) * inverse).max(0.0);
+        let fall = ((peak - last) * inverse).max(0.0);
         let short = fall * (last + 0.5 * jerk * fall);
         let late = short + peak * hold;
-        let area = fall * fall * (0.5 * last + jerk * fall / 6.0)
+        let area = fall * fall * (0.5 * last + jerk * fall * (1.0 / 6.0))
             + hold * (short + 0.5 * peak * hold)
-            + rise * (late + rise * (0.5 * peak - jerk * rise / 6.0));
+            + rise * (late + rise * (0.5 * peak - jerk * rise * (1.0 / 6.0)));
         Self { rise, hold, fall, peak, area }
+    }
+
+    /// Whether the limit is reached.
+    #[inline]
+    pub(super) fn held(&self) -> bool {
+        self.hold > 0.0
     }
 
     /// s.

@@ -14,6 +14,8 @@ pub(super) struct Line {
     /// Largest deceleration, positive.
     pub(super) down: f64,
     pub(super) jerk: f64,
+    /// One over the jerk.
+    pub(super) inverse: f64,
 }
 
 impl Line {
@@ -29,6 +31,7 @@ impl Line {
             up: limits.acceleration.1.max(start.1).max(end.1),
             down: (-limits.acceleration.0).max(-start.1).max(-end.1),
             jerk,
+            inverse: 1.0 / jerk,
         }
     }
 
@@ -42,7 +45,7 @@ impl Line {
     #[inline]
     pub(super) fn gap(&self) -> f64 {
         let ((v0, a0), (v1, a1)) = (self.start, self.end);
-        (v1 - v0) - (a0 * a0.abs() + a1 * a1.abs()) / (2.0 * self.jerk)
+        (v1 - v0) - (a0 * a0.abs() + a1 * a1.abs()) * (0.5 * self.inverse)
     }
 
     /// The mirror image.
@@ -54,7 +57,7 @@ impl Line {
             speed: (-self.speed.1, -self.speed.0),
             up: self.down,
             down: self.up,
-            jerk: self.jerk,
+            ..*self
         }
     }
 

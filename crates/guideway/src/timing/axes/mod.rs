@@ -120,6 +120,7 @@ pub fn plan(input: &Input) -> Result<Motion, PlanError> {
     }
     let common = if input.sync == Sync::None { None } else { Some(input.duration(&solos.iter().flatten().collect::<Vec<_>>())?) };
     let mut axes = Vec::with_capacity(input.axes.len());
+    let mut phases = Vec::with_capacity(16);
     for (axis, solo) in input.axes.iter().zip(&solos) {
         let Some(solo) = solo else {
             axes.push(AxisMotion::idle(axis.start.position));
@@ -129,7 +130,9 @@ pub fn plan(input: &Input) -> Result<Motion, PlanError> {
             Some(time) => time,
             None => input.duration(&[solo])?,
         };
-        axes.push(AxisMotion::new(axis, solo.phases(time).into_iter(), time));
+        phases.clear();
+        solo.phases(time, &mut phases);
+        axes.push(AxisMotion::new(axis, phases.iter().copied(), time));
     }
     Motion::new(axes, &input.axes, false)
 }
@@ -142,7 +145,8 @@ fn on_a_line(input: &Input) -> Option<Result<Motion, PlanError>> {
     check::check(&whole).ok()?;
     let solo = Solo::new(&line.axis).ok()?;
     let time = input.duration(&[&solo]).ok()?;
-    let phases = solo.phases(time);
+    let mut phases = Vec::with_capacity(16);
+    solo.phases(time, &mut phases);
     let mut shares = line.shares.iter();
     let axes = input.axes.iter().map(|axis| {
         if !axis.enabled {

@@ -15,11 +15,11 @@ pub(super) fn rising((mut low, mut high): (f64, f64), guess: f64, mut f: impl Fn
             low = x;
         }
         let mut next = x - y / slope;
-        // Every third step must have halved the bracket or the Newton step must be tiny; otherwise it is halved by force.
-        let settled = (next - x).abs() <= 4.0 * f64::EPSILON * x.abs();
-        if settled && next >= low && next <= high {
+        // Steps of Newton square the relative error: one below 1e-9 is the last.
+        if (next - x).abs() <= 1e-9 * x.abs() && next >= low && next <= high {
             return next;
         }
+        // Every fourth step must have halved the bracket or be small beside it; otherwise it is halved by force.
         let slow = round % 4 == 3 && high - low > 0.5 * wide && (next - x).abs() > 1e-3 * (high - low);
         if round % 4 == 3 {
             wide = high - low;

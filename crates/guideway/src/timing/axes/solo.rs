@@ -2,10 +2,9 @@
 
 use super::brake::brake;
 use super::exactly::{amid, exactly};
-use super::leg::Shape;
 use super::line::{Line, settled};
 use super::speed_goal::SpeedGoal;
-use super::widest::Widest;
+use super::widest::{Place, Widest};
 use super::{Axis, AxisState};
 use crate::timing::scurve::{Phase, advance};
 
@@ -20,8 +19,8 @@ pub(super) const ROUNDING: f64 = 1e-11;
 pub(super) struct Solo {
     /// Motions to the goal without a brake from a start that could not go on within the limits, or to a goal that could not be come
     /// from within them. Their acceleration keeps its sign.
-    early: Option<Way>,
-    brake: Shape,
+    early: Option<Box<Way>>,
+    brake: Vec<Phase>,
     /// Duration of the brake, s.
     delay: f64,
     /// After the brake.
@@ -43,17 +42,17 @@ struct Way {
     slack: f64,
     /// Motions whose acceleration keeps its sign, all shorter than the others.
     brief: Option<Part>,
+    /// The longest of those, s.
+    longest: f64,
     usual: Option<Part>,
 }
 
-/// A component of the motions of an axis.
-#[derive(Debug, Clone)]
+/// A component of the motions of an axis: the fastest of them.
+#[derive(Debug, Clone, Copy)]
 struct Part {
-    /// Those that cover most and least for their duration.
-    families: [Widest; 2],
-    best: Shape,
-    /// s.
-    shortest: f64,
+    place: Place,
+    /// The mirror image of the family it is from.
+    flipped: bool,
 }
 
 /// Why there is no motion.
@@ -74,9 +73,9 @@ impl Solo {
     pub(super) fn new(axis: &Axis) -> Result<Self, Refusal> {
         let (start, goal, limits) = (&axis.start, &axis.goal, &axis.limits);
         let end = (goal.velocity, goal.acceleration);
-        let brake = brake((start.velocity, start.acceleration), limits, goal.position.is_some());
+        let brake = brake((start.velocity, start.acceleration), limits, goal.position.is_some()).phases().to_vec();
         let Some(position) = goal.position else {
-            let from = after(start, brake.phases());
+            let from = after(start, &brake);
             let goal = SpeedGoal::new((from.velocity, from.acceleration), end, limits.acceleration, limits.jerk);
             return Ok(Self::with(None, brake, Some(Task::Speed { goal, shortest: goal.shortest() })));
         };
@@ -84,26 +83,27 @@ impl Solo {
         let before = settled((end.0, -end.1), limits.jerk);
         let viable = inside(before, limits.velocity);
         let within = inside(start.velocity, limits.velocity) && inside(start.acceleration, limits.acceleration);
-        let early = (within && (!viable || !brake.phases().is_empty()))
+        let early = (within && (!viable || !brake.is_empty()))
             .then(|| Way::new(Line::new((start.velocity, start.acceleration), end, limits), position - start.position, size, true))
-            .filter(|way| way.brief.is_some());
+            .filter(|way| way.brief.is_some())
+            .map(Box::new);
         if !viable {
-            return if early.is_some() { Ok(Self::with(early, Shape::new(), None)) } else { Err(Refusal::Unreachable(before)) };
+            return if early.is_some() { Ok(Self::with(early, Vec::new(), None)) } else { Err(Refusal::Unreachable(before)) };
         }
-        let from = after(start, brake.phases());
+        let from = after(start, &brake);
         let line = Line::new((from.velocity, from.acceleration), end, limits);
         let way = Way::new(line, position - from.position, size, false);
         let task = (way.brief.is_some() || way.usual.is_some()).then_some(Task::Position(way));
         if task.is_none() && early.is_none() { Err(Refusal::Forbidden) } else { Ok(Self::with(early, brake, task)) }
     }
 
-    fn with(early: Option<Way>, brake: Shape, task: Option<Task>) -> Self {
-        Self { early, delay: brake.phases().iter().map(|p| p.duration).sum(), brake, task }
+    fn with(early: Option<Box<Way>>, brake: Vec<Phase>, task: Option<Task>) -> Self {
+        Self { early, delay: brake.iter().map(|p| p.duration).sum(), brake, task }
     }
 
     /// Shortest duration, s.
     pub(super) fn shortest(&self) -> f64 {
-        self.early.as_ref().map_or_else(|| self.delay + self.task.as_ref().map_or(f64::INFINITY, Task::shortest), Way::shortest)
+        self.early.as_ref().map_or_else(|| self.delay + self.task.as_ref().map_or(f64::INFINITY, Task::shortest), |way| way.shortest())
     }
 
     /// The first duration from `time` on that the axis can have, s; infinite if there is none.
@@ -126,22 +126,20 @@ impl Solo {
             }
     }
 
-    /// The phases of the motion of the duration `time`, one that [`Solo::next`] allows, s.
-    pub(super) fn phases(&self, time: f64) -> Vec<Phase> {
-        let mut phases = Vec::with_capacity(8);
+    /// Appends the phases of the motion of the duration `time`, one that [`Solo::next`] allows, s.
+    pub(super) fn phases(&self, time: f64, phases: &mut Vec<Phase>) {
         match (&self.early, &self.task) {
-            (Some(way), _) if time <= way.longest() * (1.0 + SAME) => way.extend(time, &mut phases),
+            (Some(way), _) if time <= way.longest * (1.0 + SAME) => way.extend(time, phases),
             (_, Some(task)) => {
-                phases.extend_from_slice(self.brake.phases());
+                phases.extend_from_slice(&self.brake);
                 match task {
-                    Task::Position(way) => way.extend(time - self.delay, &mut phases),
+                    Task::Position(way) => way.extend(time - self.delay, phases),
                     Task::Speed { goal, .. } => phases.extend_from_slice(goal.lasting(time - self.delay).phases()),
                 }
             }
-            (Some(way), None) => way.extend(time, &mut phases),
+            (Some(way), None) => way.extend(time, phases),
             (None, None) => {}
         }
-        phases
     }
 }
 
@@ -175,11 +173,17 @@ fn past(mut time: f64, blocked: [Option<(f64, f64)>; 2]) -> f64 {
 impl Way {
     /// `only_brief`: the motions that pass through zero acceleration are no choice.
     fn new(mut line: Line, distance: f64, size: f64, only_brief: bool) -> Self {
-        let brief = Widest::brief(&line, false).zip(Widest::brief(&line, true));
         let speed = line.start.0.abs().max(line.end.0.abs());
         let slack = |time: f64, speed: f64| size + 1e-12 * (speed * time + distance.abs());
-        let brief = brief.and_then(|(upper, lower)| Part::new([upper, lower], distance, slack(upper.least().1, speed)));
-        let mut way = Self { line, distance, slack: size, brief, usual: None };
+        let mut way = Self { line, distance, slack: size, brief: None, longest: f64::INFINITY, usual: None };
+        if let Some(upper) = Widest::brief(&line, false) {
+            way.slack = slack(upper.least().1, speed);
+            way.longest = upper.longest();
+            way.brief = Part::new(&upper, || Widest::brief(&line, true), distance, way.slack);
+        }
+        if way.brief.is_none() {
+            way.longest = f64::INFINITY;
+        }
         if only_brief {
             return way;
         }
@@ -189,63 +193,64 @@ impl Way {
         if line.speed.0.is_infinite() {
             line.speed.0 = -Widest::new(&line, true).capped(distance).1;
         }
-        let families = [Widest::new(&line, false), Widest::new(&line, true)];
+        let upper = Widest::new(&line, false);
         let rests = line.rests();
-        way.slack = slack(families[0].least().1, speed.max(rests[0].abs()).max(rests[1].abs()));
+        way.slack = slack(upper.least().1, speed.max(rests[0].abs()).max(rests[1].abs()));
         way.line = line;
-        way.usual = Part::new(families, distance, way.slack);
+        way.usual = Part::new(&upper, || Some(Widest::new(&line, true)), distance, way.slack);
         way
+    }
+
+    /// The families of the brief motions, or of the others.
+    fn families(&self, brief: bool) -> Option<[Widest; 2]> {
+        if brief {
+            Some([Widest::brief(&self.line, false)?, Widest::brief(&self.line, true)?])
+        } else {
+            Some([Widest::new(&self.line, false), Widest::new(&self.line, true)])
+        }
     }
 
     /// s.
     fn shortest(&self) -> f64 {
-        self.brief.as_ref().or(self.usual.as_ref()).map_or(f64::INFINITY, |part| part.shortest)
-    }
-
-    /// The longest duration of the first component, s.
-    fn longest(&self) -> f64 {
-        self.brief.as_ref().map_or(f64::INFINITY, |part| part.families[0].longest())
+        self.brief.or(self.usual).map_or(f64::INFINITY, |part| part.place.time)
     }
 
     fn next(&self, time: f64) -> f64 {
-        if let Some(part) = &self.brief
-            && let next = part.next(time, self.distance, self.slack)
-            && next <= self.longest() * (1.0 + SAME)
-        {
-            return next;
+        for (brief, part) in [(true, self.brief), (false, self.usual)] {
+            let Some(part) = part else { continue };
+            let next = if time <= part.place.time {
+                part.place.time
+            } else {
+                let Some(families) = self.families(brief) else { continue };
+                past(time, families.map(|family| family.blocked(self.distance, self.slack)))
+            };
+            if !brief || next <= self.longest * (1.0 + SAME) {
+                return next;
+            }
         }
-        self.usual.as_ref().map_or(f64::INFINITY, |part| part.next(time, self.distance, self.slack))
+        f64::INFINITY
     }
 
     fn extend(&self, time: f64, phases: &mut Vec<Phase>) {
-        for part in self.brief.iter().chain(&self.usual) {
-            if time <= part.shortest * (1.0 + SAME) {
-                return phases.extend_from_slice(part.best.phases());
-            }
-            if time <= self.longest() * (1.0 + SAME) {
-                break;
-            }
-        }
-        match &self.brief {
-            Some(part) if time <= self.longest() * (1.0 + SAME) => phases.extend(amid(&part.families, self.distance, time)),
-            _ => phases.extend(exactly(&self.line, self.distance, time)),
+        let in_brief = self.brief.is_some() && time <= self.longest * (1.0 + SAME);
+        let Some(part) = (if in_brief { self.brief } else { self.usual }) else { return };
+        let fastest = time <= part.place.time * (1.0 + SAME);
+        match self.families(in_brief) {
+            Some(families) if fastest => phases.extend_from_slice(families[usize::from(part.flipped)].shape(&part.place).phases()),
+            Some(families) if in_brief => phases.extend(amid(&families, self.distance, time)),
+            _ => exactly(&self.line, self.distance, time, phases),
         }
     }
 }
 
 impl Part {
-    fn new(families: [Widest; 2], distance: f64, slack: f64) -> Option<Self> {
-        let upper = &families[0];
-        let (least, time) = upper.least();
+    fn new(upper: &Widest, lower: impl Fn() -> Option<Widest>, distance: f64, slack: f64) -> Option<Self> {
+        let least = upper.least().0;
         if (distance - least).abs() <= slack {
-            return Some(Self { best: upper.shape(&upper.fastest()), shortest: time, families });
+            return Some(Self { place: upper.fastest(), flipped: false });
         }
-        let family = &families[usize::from(distance < least)];
-        let place = family.first(distance, slack)?;
-        Some(Self { best: family.shape(&place), shortest: place.time, families })
-    }
-
-    fn next(&self, time: f64, distance: f64, slack: f64) -> f64 {
-        if time <= self.shortest { self.shortest } else { past(time, self.families.map(|family| family.blocked(distance, slack))) }
+        let flipped = distance < least;
+        let place = if flipped { lower()?.first(distance, slack)? } else { upper.first(distance, slack)? };
+        Some(Self { place, flipped })
     }
 }

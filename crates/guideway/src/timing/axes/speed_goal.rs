@@ -41,7 +41,7 @@ impl SpeedGoal {
     }
 
     fn bump(&self) -> Leg {
-        Leg::new(self.square(), self.ends, self.limits.0, self.jerk)
+        Leg::new(self.square(), self.ends, self.limits.0, (self.jerk, 1.0 / self.jerk))
     }
 
     /// The shortest duration, s.

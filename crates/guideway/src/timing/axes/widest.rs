@@ -52,6 +52,8 @@ struct Cover {
     slope: f64,
     /// Duration per `sigma`.
     pace: f64,
+    /// Change of the slope per `sigma`.
+    bend: f64,
 }
 
 /// Legs of a member, the second one in reversed time or, above zero trough, a ramp up.
@@ -113,50 +115,57 @@ impl Widest {
 
     #[inline]
     fn legs(&self, sigma: f64) -> Legs {
-        let Line { start, end, up, down, jerk, .. } = self.line;
+        let Line { start, end, up, down, jerk, inverse, .. } = self.line;
+        let jerk = (jerk, inverse);
         let y = sigma * sigma;
         if sigma >= 0.0 {
             Legs::Peak(Leg::new(self.squares[0] + y, (start.1, 0.0), up, jerk), Leg::new(self.squares[1] + y, (-end.1, 0.0), down, jerk))
         } else {
-            Legs::Trough(Leg::new(self.squares[0] + y, (start.1, -sigma), up, jerk), (end.1 + sigma).max(0.0) / jerk)
+            Legs::Trough(Leg::new(self.squares[0] + y, (start.1, -sigma), up, jerk), (end.1 + sigma).max(0.0) * inverse)
         }
     }
 
     /// What the member at `sigma` covers, without a cruise.
     #[inline]
     fn cover(&self, sigma: f64) -> Cover {
-        let jerk = self.line.jerk;
+        let Line { jerk, inverse, .. } = self.line;
         match self.legs(sigma) {
             Legs::Peak(first, second) => {
-                let top = self.rest + sigma * sigma / jerk;
+                let top = self.rest + sigma * sigma * inverse;
                 let time = first.time() + second.time();
                 let part = |peak: f64| if peak > 0.0 { sigma / peak } else { 1.0 };
+                let (p, q) = (part(first.peak), part(second.peak));
+                let free = |leg: &Leg, x: f64| if leg.held() { 0.0 } else { x };
                 Cover {
                     time,
                     distance: top * time - first.area - second.area,
-                    slope: top + first.peak * second.peak / (2.0 * jerk),
-                    pace: 2.0 * (part(first.peak) + part(second.peak)) / jerk,
+                    slope: top + first.peak * second.peak * (0.5 * inverse),
+                    pace: 2.0 * (p + q) * inverse,
+                    bend: (2.0 * sigma + 0.5 * (free(&first, p) * second.peak + free(&second, q) * first.peak)) * inverse,
                 }
             }
             Legs::Trough(leg, ramp) => {
                 let trough = -sigma;
-                let bottom = self.rest + trough * trough / (2.0 * jerk);
+                let bottom = self.rest + trough * trough * (0.5 * inverse);
                 let span = leg.time();
                 Cover {
                     time: span + ramp,
-                    distance: bottom * span - leg.area + ramp * (bottom + ramp * (0.5 * trough + jerk * ramp / 6.0)),
-                    slope: self.slope_above(trough),
+                    distance: bottom * span - leg.area + ramp * (bottom + ramp * (0.5 * trough + jerk * ramp * (1.0 / 6.0))),
+                    slope: self.slope_above(trough).0,
+                    bend: f64::NAN,
                     pace: if leg.peak > 0.0 { 2.0 * (leg.peak - trough).max(0.0) / (leg.peak * jerk) } else { 0.0 },
                 }
             }
         }
     }
 
-    /// `H` where the lowest acceleration of the second half is `trough`, positive.
+    /// `H` where the lowest acceleration of the second half is `trough`, positive, and its derivative.
     #[inline]
-    fn slope_above(&self, trough: f64) -> f64 {
-        let peak = (self.squares[0] + trough * trough).sqrt().min(self.line.up);
-        self.rest + trough * (2.0 * trough - peak) / (2.0 * self.line.jerk)
+    fn slope_above(&self, trough: f64) -> (f64, f64) {
+        let free = (self.squares[0] + trough * trough).sqrt();
+        let (peak, grows) = if free > self.line.up { (self.line.up, 0.0) } else { (free, trough / free) };
+        let half = 0.5 * self.line.inverse;
+        (self.rest + trough * (2.0 * trough - peak) * half, (4.0 * trough - peak - trough * grows) * half)
     }
 
     /// Distance of the fastest change of speed, seen from the unmirrored axis, and its duration.
@@ -193,12 +202,17 @@ impl Widest {
         }
         let nearest = (-end).max(0.0);
         let lowest = self.flattest(a1).max(nearest);
-        if self.slope_above(lowest) >= 0.0 {
+        if self.slope_above(lowest).0 >= 0.0 {
             return (start, start);
         }
-        let sloped = |sign: f64, range: (f64, f64)| -root::rising(range, f64::NAN, |x| (sign * self.slope_above(x), f64::NAN));
-        let risen = if self.slope_above(a1) > 0.0 { sloped(1.0, (lowest, a1)) } else { start };
-        let fallen = if self.slope_above(nearest) > 0.0 {
+        let sloped = |sign: f64, range: (f64, f64)| {
+            -root::rising(range, f64::NAN, |x| {
+                let (slope, bend) = self.slope_above(x);
+                (sign * slope, sign * bend)
+            })
+        };
+        let risen = if self.slope_above(a1).0 > 0.0 { sloped(1.0, (lowest, a1)) } else { start };
+        let fallen = if self.slope_above(nearest).0 > 0.0 {
             sloped(-1.0, (nearest, lowest))
         } else if self.brief {
             end
@@ -217,7 +231,10 @@ impl Widest {
 
     /// Where `H` becomes positive above `sigma = 0`.
     fn ground(&self, end: f64) -> f64 {
-        root::rising((0.0, end), f64::NAN, |s| (self.cover(s).slope, f64::NAN))
+        root::rising((0.0, end), (-self.rest * self.line.jerk).max(0.0).sqrt(), |s| {
+            let cover = self.cover(s);
+            (cover.slope, cover.bend)
+        })
     }
 
     /// The first member that covers at least `distance` (of the unmirrored axis) but for `slack`.
@@ -232,11 +249,14 @@ impl Widest {
 
     /// Durations between which the family falls short of `distance`, although it covers that before and after.
     pub(super) fn blocked(&self, distance: f64, slack: f64) -> Option<(f64, f64)> {
+        let wanted = self.turned(distance);
+        if self.range.0 >= 0.0 && self.cover(self.range.0).distance < wanted - slack {
+            return None;
+        }
         let (risen, fallen) = self.turns();
         if risen >= fallen {
             return None;
         }
-        let wanted = self.turned(distance);
         let before = self.cover(risen).distance >= wanted - slack;
         if !before || self.cover(fallen).distance >= wanted - slack {
             return None;
@@ -249,7 +269,11 @@ impl Widest {
         let end = self.range.1;
         let most = self.cover(end);
         if wanted < most.distance {
-            return Some(self.place(self.solve((fallen, end), 1.0, wanted)));
+            let mut range = (fallen, end);
+            if fallen < 0.0 && end > 0.0 {
+                range = if self.cover(0.0).distance <= wanted { (0.0, end) } else { (fallen, 0.0) };
+            }
+            return Some(self.place(self.solve(range, 1.0, wanted)));
         }
         let beyond = wanted - most.distance;
         let top = self.line.speed.1;
@@ -262,9 +286,10 @@ impl Widest {
 
     /// The member in a monotone stretch that covers `wanted`, or the end of the stretch nearest to it.
     fn solve(&self, (low, high): (f64, f64), sign: f64, wanted: f64) -> f64 {
-        // Where all is free and rests at the ends, the distance is a cube: the root in one step.
-        let guess = if low == 0.0 && self.rest >= 0.0 && sign > 0.0 {
-            (0.5 * wanted.max(0.0) * self.line.jerk * self.line.jerk).cbrt().min(high)
+        // Where all is free, the distance grows at least by this cube.
+        let guess = if low == 0.0 && sign > 0.0 {
+            let more = (wanted - self.cover(0.0).distance).max(0.0);
+            (0.5 * more * self.line.jerk * self.line.jerk).cbrt()
         } else {
             f64::NAN
         };

@@ -12,6 +12,7 @@ STEPS = {
     "Grid search beside nano-astar": [sys.executable, "benches/grid.py"],
     "Distance transform beside SciPy": [sys.executable, "benches/distance.py"],
     "S-curve beside rsruckig": ["cargo", "run", "--quiet", "--release", "--package", "peers-rs"],
+    "Point-to-point motion of several axes beside Ruckig": [sys.executable, "benches/axes.py"],
     "Ants on corners beside the any-angle optimum": [sys.executable, "benches/sparse_ants.py", "--seeds", "3"],
     "Shortest paths among discs beside OMPL": [sys.executable, "benches/continuous.py"],
     "Ant colonies beside aco-routing": [sys.executable, "benches/colonies.py"],

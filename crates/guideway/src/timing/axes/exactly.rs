@@ -84,7 +84,7 @@ impl Cruises<'_> {
 
     /// Slack of durations, s.
     fn slack(&self) -> f64 {
-        1e-13 * self.time
+        1e-14 * self.time
     }
 
     fn fits(&self, cruise: &Cruise) -> bool {
@@ -101,15 +101,23 @@ impl Cruises<'_> {
             let y = if self.fits(&cruise) { sign * (cruise.distance - distance) } else { f64::INFINITY };
             (y, cruise.slope)
         });
-        self.at(zone, z)
+        // Near the last one the distance is flat in the cruising speed, and rounding may lead beyond it.
+        let found = self.at(zone, z);
+        if found.hold < -self.slack() { self.at(zone, self.edge(zone, z)) } else { found }
     }
 
-    /// The last place of an inner zone, up to `most`, whose legs still fit.
+    /// The last place of a zone, up to `most`, whose legs still fit.
     fn edge(&self, zone: Zone, most: f64) -> f64 {
         root::rising((0.0, most), f64::NAN, |z| {
             let cruise = self.at(zone, z);
             let part = |peak: f64| if peak > 0.0 { 1.0 / peak } else { f64::INFINITY };
-            (-cruise.hold, (part(cruise.legs[self.low].peak) - part(cruise.legs[1 - self.low].peak)).abs())
+            let (low, high) = (part(cruise.legs[self.low].peak), part(cruise.legs[1 - self.low].peak));
+            let longer = match zone {
+                Zone::Above | Zone::Below => low + high,
+                Zone::FromLow => low - high,
+                Zone::FromHigh => high - low,
+            };
+            (-cruise.hold, longer)
         })
     }
 

@@ -5,6 +5,7 @@
 //! the speed gained.
 
 use crate::timing::scurve::Phase;
+use std::cmp::Ordering;
 
 /// Durations of the three phases, and what they cover.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -107,37 +108,84 @@ impl Shape {
     }
 }
 
+/// A change of jerk: seconds after the start and before the end, and of which motion.
+struct Event {
+    after: f64,
+    before: f64,
+    second: bool,
+}
+
+impl Event {
+    /// The changes of jerk of a motion, its end among them.
+    fn all(phases: &[Phase], second: bool) -> impl Iterator<Item = Event> {
+        let whole: f64 = phases.iter().map(|p| p.duration).sum();
+        let mut after = 0.0;
+        let sums: Vec<f64> = phases
+            .iter()
+            .map(|p| {
+                after += p.duration;
+                after
+            })
+            .collect();
+        let mut before = 0.0;
+        let mut events = Vec::with_capacity(phases.len());
+        for (phase, after) in phases.iter().zip(sums).rev() {
+            events.push(Event { after: after.min(whole), before, second });
+            before += phase.duration;
+        }
+        events.into_iter().rev()
+    }
+
+    /// In the first half times are counted from the start, then from the end: a long cruise does not blur the short phases at either.
+    fn early(&self) -> bool {
+        self.after < self.before
+    }
+
+    fn order(&self, other: &Self) -> Ordering {
+        match (self.early(), other.early()) {
+            (true, true) => self.after.total_cmp(&other.after),
+            (false, false) => other.before.total_cmp(&self.before),
+            (early, _) => {
+                if early {
+                    Ordering::Less
+                } else {
+                    Ordering::Greater
+                }
+            }
+        }
+    }
+
+    /// Seconds to a later one.
+    fn until(&self, later: &Self) -> f64 {
+        match (self.early(), later.early()) {
+            (true, true) => later.after - self.after,
+            (true, false) => (self.after + self.before) - self.after - later.before,
+            _ => self.before - later.before,
+        }
+    }
+}
+
 /// Two motions of the same duration and the same ends, mixed: `share` of the second. Whatever convex limits both keep, the mixture
 /// keeps as well.
 pub(super) fn blend(first: &[Phase], second: &[Phase], share: f64) -> Vec<Phase> {
-    let mut mixed: Vec<Phase> = Vec::with_capacity(first.len() + second.len());
+    let mut events: Vec<Event> = Event::all(first, false).chain(Event::all(second, true)).collect();
+    events.sort_by(Event::order);
+    let whole = events.last().map_or(0.0, |last| last.after);
+    let mut now = Event { after: 0.0, before: whole, second: false };
     let (mut i, mut k) = (0, 0);
-    let mut left = [first.first().map_or(0.0, |p| p.duration), second.first().map_or(0.0, |p| p.duration)];
-    while i < first.len() && k < second.len() {
-        // The last phases end together but for rounding.
-        let last = (i + 1 == first.len(), k + 1 == second.len());
-        let step = match last {
-            (true, false) => left[1],
-            (false, true) => left[0],
-            (true, true) => left[0] + share * (left[1] - left[0]),
-            (false, false) => left[0].min(left[1]),
-        };
-        let jerk = first[i].jerk + share * (second[k].jerk - first[i].jerk);
-        if step > 0.0 {
-            mixed.push(Phase { duration: step, jerk });
+    let mut mixed: Vec<Phase> = Vec::with_capacity(events.len());
+    for event in events {
+        let (Some(one), Some(two)) = (first.get(i), second.get(k)) else { break };
+        let duration = now.until(&event);
+        if duration > 0.0 {
+            mixed.push(Phase { duration, jerk: one.jerk + share * (two.jerk - one.jerk) });
         }
-        if last == (true, true) {
-            break;
+        if event.second {
+            k += 1
+        } else {
+            i += 1
         }
-        left = [left[0] - step, left[1] - step];
-        if !last.0 && left[0] <= 0.0 {
-            i += 1;
-            left[0] += first[i].duration;
-        }
-        if !last.1 && left[1] <= 0.0 {
-            k += 1;
-            left[1] += second[k].duration;
-        }
+        now = event;
     }
     mixed
 }

@@ -178,7 +178,7 @@ impl Way {
         let mut way = Self { line, distance, slack: size, brief: None, longest: f64::INFINITY, usual: None };
         if let Some(upper) = Widest::brief(&line, false) {
             way.slack = slack(upper.least().1, speed);
-            way.longest = upper.longest();
+            way.longest = upper.longest().max(upper.least().1);
             way.brief = Part::new(&upper, || Widest::brief(&line, true), distance, way.slack);
         }
         if way.brief.is_none() {

@@ -81,7 +81,8 @@ impl SpeedGoal {
         let (at_low, at_high) = (low * time + ramp, high * time - ramp);
         let beyond = |more: f64| {
             let root = spare + (spare * spare - 4.0 * more / jerk).max(0.0).sqrt();
-            if root > 0.0 { 2.0 * more / root } else { 0.0 }
+            // At most where nothing is kept: beyond that the ramps would not fit.
+            if root > 0.0 { (2.0 * more / root).min(0.5 * spare * jerk) } else { 0.0 }
         };
         let kept = if self.change >= at_high {
             high + beyond(self.change - at_high)

@@ -32,8 +32,9 @@ struct Cruise {
     /// s, negative if the legs take too long.
     hold: f64,
     distance: f64,
-    /// Distance per cruising speed, s.
+    /// Distance per cruising speed, s, and its derivative.
     slope: f64,
+    bend: f64,
 }
 
 /// The cruising motions of one axis in a given time.
@@ -74,6 +75,7 @@ impl Cruises<'_> {
         let hold = self.time - legs[0].time() - legs[1].time();
         Cruise {
             distance: speed * self.time - signs[0] * legs[0].area - signs[1] * legs[1].area,
+            bend: -signs[0] * legs[0].bend() - signs[1] * legs[1].bend(),
             slope: hold + (legs[0].peak + legs[1].peak) * (0.5 * inverse),
             legs,
             signs,
@@ -99,7 +101,7 @@ impl Cruises<'_> {
             let cruise = self.at(zone, z);
             // Beyond the last cruising speed that fits the search turns back.
             let y = if self.fits(&cruise) { sign * (cruise.distance - distance) } else { f64::INFINITY };
-            (y, cruise.slope)
+            (y, cruise.slope, sign * cruise.bend)
         });
         // Near the last one the distance is flat in the cruising speed, and rounding may lead beyond it.
         let found = self.at(zone, z);
@@ -117,7 +119,7 @@ impl Cruises<'_> {
                 Zone::FromLow => low - high,
                 Zone::FromHigh => high - low,
             };
-            (-cruise.hold, longer)
+            (-cruise.hold, longer, 0.0)
         })
     }
 

@@ -44,6 +44,12 @@ impl Leg {
         self.hold > 0.0
     }
 
+    /// Second derivative of the area by the speed gained.
+    #[inline]
+    pub(super) fn bend(&self) -> f64 {
+        if self.peak > 0.0 { if self.held() { 1.0 / self.peak } else { 0.75 / self.peak } } else { 0.0 }
+    }
+
     /// s.
     #[inline]
     pub(super) fn time(&self) -> f64 {

@@ -208,7 +208,7 @@ impl Widest {
         let sloped = |sign: f64, range: (f64, f64)| {
             -root::rising(range, f64::NAN, |x| {
                 let (slope, bend) = self.slope_above(x);
-                (sign * slope, sign * bend)
+                (sign * slope, sign * bend, 0.0)
             })
         };
         let risen = if self.slope_above(a1).0 > 0.0 { sloped(1.0, (lowest, a1)) } else { start };
@@ -233,7 +233,7 @@ impl Widest {
     fn ground(&self, end: f64) -> f64 {
         root::rising((0.0, end), (-self.rest * self.line.jerk).max(0.0).sqrt(), |s| {
             let cover = self.cover(s);
-            (cover.slope, cover.bend)
+            (cover.slope, cover.bend, 0.0)
         })
     }
 
@@ -295,7 +295,7 @@ impl Widest {
         };
         root::rising((low, high), guess, |sigma| {
             let cover = self.cover(sigma);
-            (sign * (cover.distance - wanted), sign * cover.slope * cover.pace)
+            (sign * (cover.distance - wanted), sign * cover.slope * cover.pace, 0.0)
         })
     }
 
@@ -315,7 +315,7 @@ impl Widest {
         }
         let sigma = root::rising(self.range, f64::NAN, |s| {
             let cover = self.cover(s);
-            (cover.time - time, cover.pace)
+            (cover.time - time, cover.pace, 0.0)
         });
         (Place { sigma, cruise: 0.0, time }, self.turned(self.cover(sigma).distance))
     }

@@ -2,7 +2,7 @@
 
 mod common_axes;
 
-use common_axes::random;
+use common_axes::{outside, random};
 use guideway::timing::axes::{Axis, AxisGoal, AxisLimits, AxisState, Input, Sync, plan};
 use serde_json::Value;
 
@@ -59,6 +59,11 @@ fn known_cases() {
 #[test]
 fn random_problems() {
     random(20_000, 1);
+}
+
+#[test]
+fn random_starts_outside_the_limits() {
+    outside(20_000, 1);
 }
 
 fn axis(start: [f64; 3], goal: [f64; 3], limits: AxisLimits) -> Axis {

@@ -7,3 +7,8 @@ mod common_axes;
 fn a_million_random_problems() {
     common_axes::random(1_000_000, 2);
 }
+
+#[test]
+fn a_hundred_thousand_random_starts_outside_the_limits() {
+    common_axes::outside(100_000, 2);
+}

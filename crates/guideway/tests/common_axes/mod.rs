@@ -62,6 +62,32 @@ pub fn axis(rng: &mut ChaCha8Rng) -> Axis {
     }
 }
 
+/// One axis that starts anywhere, mostly outside its limits; and its limits widened to what a brake cannot avoid.
+fn wild(rng: &mut ChaCha8Rng) -> (Axis, AxisLimits) {
+    let mut axis = axis(rng);
+    let AxisLimits { velocity, acceleration, jerk } = axis.limits;
+    let (v, a) = (rng.random_range(-2.0..2.0) * velocity.1, rng.random_range(-3.0..3.0) * acceleration.1);
+    // Far outside, but not by orders of magnitude: rounding is relative to the fastest velocity.
+    let jerk = jerk.max(0.1 * a * a / velocity.1);
+    axis.limits.jerk = jerk;
+    (axis.start.velocity, axis.start.acceleration) = (v, a);
+    let rest = v + a * a.abs() / (2.0 * jerk);
+    let wide = |(low, high): (f64, f64), x: f64, y: f64| (low.min(x).min(y), high.max(x).max(y));
+    (axis, AxisLimits { velocity: wide(velocity, v, rest), acceleration: wide(acceleration, a, a), jerk })
+}
+
+/// Plans from random starts outside the limits.
+pub fn outside(count: usize, seed: u64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    for n in 0..count {
+        let (axis, widened) = wild(&mut rng);
+        let input = Input { axes: vec![axis], minimum_duration: spread(&mut rng, 1e-3, 1e2), ..Input::default() };
+        let motion = plan(&input).unwrap_or_else(|e| panic!("{n}: {e}\n{axis:?}"));
+        let (off, excess) = errors(&Axis { limits: widened, ..axis }, &motion.axes[0]);
+        assert!(off <= 1e-9 && excess <= 1e-9, "{n}: off {off:e}, excess {excess:e}\n{axis:?}\n{motion:?}");
+    }
+}
+
 /// Some axes, some way to go together.
 pub fn problem(rng: &mut ChaCha8Rng) -> Input {
     let count = rng.random_range(1..5);

@@ -187,9 +187,9 @@ pub(super) fn blend(first: &[Phase], second: &[Phase], share: f64) -> Vec<Phase>
             mixed.push(Phase { duration, jerk: one.jerk + share * (two.jerk - one.jerk) });
         }
         if event.second {
-            k += 1
+            k += 1;
         } else {
-            i += 1
+            i += 1;
         }
         now = event;
     }

@@ -1,6 +1,6 @@
 //! The motion of all axes.
 
-use super::{Axis, AxisState};
+use super::{Axis, AxisLimits, AxisState};
 use crate::error::PlanError;
 use crate::timing::scurve::{Phase, advance};
 
@@ -38,6 +38,24 @@ impl AxisPiece {
     }
 }
 
+/// The state after some phases, with the pieces they make. An acceleration that is kept is exactly zero or at its limit where it is
+/// so but for rounding.
+pub(super) fn flown(start: AxisState, phases: impl Iterator<Item = Phase>, limits: &AxisLimits, mut each: impl FnMut(AxisPiece)) -> AxisState {
+    let (mut state, mut strongest) = (start, 0.0f64);
+    for Phase { duration, jerk } in phases.filter(|p| p.duration > 0.0) {
+        strongest = strongest.max(state.acceleration.abs());
+        if jerk == 0.0 {
+            let kept = [0.0, limits.acceleration.0, limits.acceleration.1];
+            let near = kept.into_iter().find(|a| (a - state.acceleration).abs() <= ROUNDED * strongest);
+            state.acceleration = near.unwrap_or(state.acceleration);
+        }
+        let piece = AxisPiece { duration, jerk, start: state };
+        state = piece.after(duration);
+        each(piece);
+    }
+    state
+}
+
 /// The motion of one axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisMotion {
@@ -57,19 +75,8 @@ const ROUNDED: f64 = 1e-12;
 
 impl AxisMotion {
     pub(super) fn new(axis: &Axis, phases: impl Iterator<Item = Phase>, duration: f64) -> Self {
-        let (mut state, mut strongest) = (axis.start, 0.0f64);
         let mut pieces = Vec::with_capacity(8);
-        for Phase { duration, jerk } in phases.filter(|p| p.duration > 0.0) {
-            strongest = strongest.max(state.acceleration.abs());
-            if jerk == 0.0 {
-                let limits = [0.0, axis.limits.acceleration.0, axis.limits.acceleration.1];
-                let near = limits.into_iter().find(|a| (a - state.acceleration).abs() <= ROUNDED * strongest);
-                state.acceleration = near.unwrap_or(state.acceleration);
-            }
-            let piece = AxisPiece { duration, jerk, start: state };
-            state = piece.after(duration);
-            pieces.push(piece);
-        }
+        let state = flown(axis.start, phases, &axis.limits, |piece| pieces.push(piece));
         let goal = &axis.goal;
         match goal.position {
             Some(wanted) => settle(&mut pieces, wanted - state.position),

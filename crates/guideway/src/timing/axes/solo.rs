@@ -1,12 +1,13 @@
 //! One axis: its shortest duration, the durations it cannot have, and its motion for any other.
 
+use super::Axis;
 use super::brake::brake;
 use super::exactly::{amid, exactly};
 use super::line::{Line, settled};
+use super::motion::flown;
 use super::speed_goal::SpeedGoal;
 use super::widest::{Place, Widest};
-use super::{Axis, AxisState};
-use crate::timing::scurve::{Phase, advance};
+use crate::timing::scurve::Phase;
 
 /// Relative slack of durations.
 const SAME: f64 = 1e-13;
@@ -28,7 +29,6 @@ pub(super) struct Solo {
 }
 
 #[derive(Debug, Clone)]
-#[expect(clippy::large_enum_variant, reason = "nearly always the large one")]
 enum Task {
     Position(Way),
     Speed { goal: SpeedGoal, shortest: f64 },
@@ -75,7 +75,7 @@ impl Solo {
         let end = (goal.velocity, goal.acceleration);
         let brake = brake((start.velocity, start.acceleration), limits, goal.position.is_some()).phases().to_vec();
         let Some(position) = goal.position else {
-            let from = after(start, &brake);
+            let from = flown(*start, brake.iter().copied(), limits, |_| ());
             let goal = SpeedGoal::new((from.velocity, from.acceleration), end, limits.acceleration, limits.jerk);
             return Ok(Self::with(None, brake, Some(Task::Speed { goal, shortest: goal.shortest() })));
         };
@@ -90,7 +90,7 @@ impl Solo {
         if !viable {
             return if early.is_some() { Ok(Self::with(early, Vec::new(), None)) } else { Err(Refusal::Unreachable(before)) };
         }
-        let from = after(start, &brake);
+        let from = flown(*start, brake.iter().copied(), limits, |_| ());
         let line = Line::new((from.velocity, from.acceleration), end, limits);
         let way = Way::new(line, position - from.position, size, false);
         let task = (way.brief.is_some() || way.usual.is_some()).then_some(Task::Position(way));
@@ -150,12 +150,6 @@ impl Task {
             Self::Speed { shortest, .. } => *shortest,
         }
     }
-}
-
-/// The state after some phases.
-fn after(start: &AxisState, phases: &[Phase]) -> AxisState {
-    let state = phases.iter().fold((start.position, start.velocity, start.acceleration), |s, p| advance(s, p.jerk, p.duration));
-    AxisState { position: state.0, velocity: state.1, acceleration: state.2 }
 }
 
 /// The first duration from `time` on that is in none of two blocked intervals.

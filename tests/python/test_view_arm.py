@@ -362,3 +362,44 @@ def test_any_motion_is_shown_without_complaints(tmp_path: Path) -> None:
     assert complaints(log) == []
     assert text.count('aria-pressed="true"') >= 1
     assert "3 checks failed" in text or "A check failed" in text or "collides" in text
+
+
+HANDS = """
+const send = (node, type, x, y, more) => {
+  const box = node.getBoundingClientRect();
+  const at = { clientX: box.left + x * box.width, clientY: box.top + y * box.height, bubbles: true, pointerId: 1, ...more };
+  node.dispatchEvent(type === "wheel" ? new WheelEvent(type, { deltaY: 120, ...at }) : new PointerEvent(type, at));
+};
+const key = (name) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key: name, bubbles: true }));
+const over = document.getElementById("over");
+over.setPointerCapture = () => {};
+for (const name of ["2", "+", "f", "0", "g", "ArrowRight", "End", "Home", "a", "2"]) key(name);
+send(over, "pointerdown", 0.5, 0.5, { button: 0, buttons: 1 });
+send(over, "pointermove", 0.6, 0.4, { buttons: 1 });
+send(over, "pointerup", 0.6, 0.4);
+send(over, "wheel", 0.5, 0.5);
+send(over, "pointermove", 0.4, 0.5);
+document.querySelector("#trials tbody tr").dispatchEvent(new PointerEvent("pointerenter"));
+document.getElementById("theme").click();
+const chart = document.querySelector("#curves .chart");
+send(chart, "pointermove", 0.5, 0.5);
+send(chart, "pointerdown", 0.5, 0.5, { button: 0, buttons: 1 });
+document.title = document.getElementById("clock").textContent + "; " + document.querySelector("#phase output").textContent;
+send(chart, "pointerleave", 0.5, 0.5);
+document.getElementById("play").click();
+"""
+
+
+@pytest.mark.usefixtures("browser")
+def test_hands_on_the_page(tmp_path: Path) -> None:
+    """Keys, drags, the wheel, pointing and pressing do what they say, without complaints."""
+    page = view.arm_page(learned())
+    target = tmp_path / "r.html"
+    target.write_text(page.replace("</body>", f"<script>{HANDS}</script></body>"), "utf-8")
+    text, log = markup(target.as_uri(), tmp_path)
+    assert complaints(log) == []
+    clock, speed = re.findall(r"<title>(\d\.\d+) / 2\.00 s; (\d\.\d+) rad/s at", text)[0]
+    assert float(clock) == pytest.approx(1.0, abs=0.1)  # the middle of the chart, but for its margins
+    assert float(speed) == pytest.approx(2 * min(float(clock), 2 - float(clock)), abs=0.03)
+    assert re.search(r'aria-pressed="true"[^>]*><i></i>elbow<', text)
+    assert "limit 4<" in text  # one joint in its units

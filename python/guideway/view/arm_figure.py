@@ -50,25 +50,31 @@ def draw_phase(axes: Any, record: Mapping[str, Any], samples: Mapping[str, Any])
     shape = phase(record, samples)
     s, v = np.asarray(shape["s"], float), np.asarray(shape["v"], float)
     top = 1.5 * float(np.nanmax(v))
-    for key, style, name in (("first", (0, (5, 3)), "joint speeds alone"), ("second", "solid", "maximum velocity curve")):
-        if key in shape:
-            curve = np.asarray(shape[key], float)
+    second = "joint speeds and accelerations alone" if shape.get("kinematic") else "maximum velocity curve"
+    for key, style, name in (("first", (0, (5, 3)), "joint speeds alone"), ("second", "solid", second)):
+        curve = np.asarray(shape.get(key, [np.inf]), float)
+        if np.nanmin(curve) < top:
             axes.plot(s, curve, color="#b3261e" if key == "second" else "#64717d", linestyle=style, linewidth=1.0, label=name)
             if key == "second":
                 axes.fill_between(s, np.minimum(curve, 4 * top), 4 * top, color="#b3261e", alpha=0.07, linewidth=0)
     trials = [profile for row in listed(record.get("trials")) if isinstance(row, Mapping) and (profile := squared(row.get("profile")))]
     for k, (at, speed) in enumerate(trials):
-        axes.plot(at, speed, color="#0a66a8", alpha=0.15 + 0.6 * k / max(1, len(trials) - 1), linewidth=0.8, label="trials" if k == 0 else None)
+        axes.plot(
+            at,
+            speed,
+            color="#0a66a8",
+            alpha=0.15 + 0.6 * k / max(1, len(trials) - 1),
+            linewidth=0.8,
+            label="trials" if k == len(trials) - 1 else None,
+        )
     rows = stretches(record, samples)
     if not rows:
         axes.plot(s, v, color="#0a66a8", linewidth=1.8, label="the motion")
-    seen: set[int | None] = set()
     for row in rows:
         kept = (s >= row["from"] - 1e-6) & (s <= row["to"] + 1e-6)
-        joint = row["joint"]
-        label = None if joint in seen else short(listed(record.get("joints")), joint)
-        axes.plot(s[kept], v[kept], color=ink(joint), linewidth=1.9, solid_capstyle="round", label=label)
-        seen.add(joint)
+        axes.plot(s[kept], v[kept], color=ink(row["joint"]), linewidth=1.9, solid_capstyle="round")
+    for k, name in enumerate(listed(record.get("joints"))):
+        axes.plot([], [], color=ink(k), linewidth=1.9, label=str(name).replace("_", " ").removesuffix(" joint"))
     if oracle := squared(record.get("oracle")):
         axes.plot(*oracle, color="#17212b", linestyle=(0, (5, 3)), linewidth=1.2, label="true optimum")
     axes.set(xlim=(s[0], s[-1]), ylim=(0, top))
@@ -110,10 +116,3 @@ def squared(value: Any) -> tuple[np.ndarray, np.ndarray] | None:
 def ink(joint: int | None) -> str:
     """The colour of a joint."""
     return "#55626f" if joint is None else JOINTS[joint % len(JOINTS)]
-
-
-def short(joints: list[Any], joint: int | None) -> str:
-    """The name of a joint without what all have in common."""
-    if joint is None:
-        return "other limits"
-    return str(joints[joint]).replace("_", " ").removesuffix(" joint")

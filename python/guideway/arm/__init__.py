@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from guideway.arm.certificate import certify
     from guideway.arm.collisions import Surroundings
     from guideway.arm.inverse import Branch, branches, follow, solve
+    from guideway.arm.learning import LEARNERS
+    from guideway.arm.learning.log import Log
+    from guideway.arm.learning.loop import Learned, Trial, learn
     from guideway.arm.limits import JointLimits, load_limits
     from guideway.arm.model import REFERENCE_FRICTION, Arm, Friction, Payload
     from guideway.arm.motion import ArmMotion
@@ -35,6 +38,9 @@ _HOME = {
     "certify": "certificate",
     "Surroundings": "collisions",
     **dict.fromkeys(("Branch", "branches", "follow", "solve"), "inverse"),
+    "LEARNERS": "learning",
+    "Log": "learning.log",
+    **dict.fromkeys(("Learned", "Trial", "learn"), "learning.loop"),
     **dict.fromkeys(("JointLimits", "load_limits"), "limits"),
     **dict.fromkeys(("REFERENCE_FRICTION", "Arm", "Friction", "Payload"), "model"),
     "ArmMotion": "motion",
@@ -48,6 +54,7 @@ _HOME = {
 }
 
 __all__ = [
+    "LEARNERS",
     "REFERENCE_FRICTION",
     "ROBOTS",
     "STAR_POSTURE",
@@ -58,10 +65,13 @@ __all__ = [
     "Friction",
     "JointLimits",
     "JointPath",
+    "Learned",
+    "Log",
     "Nurbs",
     "Payload",
     "Scene",
     "Surroundings",
+    "Trial",
     "all_branches",
     "arm_for",
     "branches",
@@ -70,6 +80,7 @@ __all__ = [
     "csv_text",
     "follow",
     "joint_path",
+    "learn",
     "load_limits",
     "load_motion",
     "load_nurbs",

@@ -1,0 +1,186 @@
+"""Velocity self-learning along the star: every method on the reference plant, the source's method in all its settings, random plants, a simulated
+arm.
+
+python experiments/arm/learning.py methods|source|targets|random|mujoco|drift|set [--seeds N] [--plants N] [--workers N] [--docs]
+    # resumes: a line of JSON per run in experiments/results/learning-NAME.jsonl
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import multiprocessing
+import sys
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from tqdm import tqdm
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "colonies"))
+import tables
+
+import guideway as gw
+from guideway.arm.learning import make_learner
+from guideway.arm.learning.loop import learn_task, run
+from guideway.arm.learning.oracle import optimum
+from guideway.arm.learning.task import Task
+from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
+from guideway.plants.arm_friction import JointFriction
+
+Row = dict[str, Any]
+OUT = Path(__file__).resolve().parents[1] / "results"
+PAYLOADS = (0.0, 3.0, 5.0)
+OFF = (0.03, 0.02, 0.08)
+"""The payload that is not on the axis of the flange, m."""
+
+
+@cache
+def task(acceleration: float = 10.0) -> Task:
+    """The star, with the torques that make it hard."""
+    arm = gw.arm.robot("ur5e")
+    limits = gw.arm.JointLimits(speed=arm.speed_limits(), acceleration=acceleration, torque=gw.arm.STAR_TORQUE)
+    return Task(gw.arm.joint_path(arm, gw.arm.star()).path, arm, limits)
+
+
+@cache
+def oracle(payload: float, friction: str = "reference", plant: str = "ideal", at: tuple[float, ...] = (0.0, 0.0, 0.08)) -> float:
+    """Duration of the true optimum, s."""
+    return optimum(task(), make_arm(plant, task(), payload=payload, payload_at=at, friction=friction).rows).duration
+
+
+def methods(args: argparse.Namespace) -> Iterable[Row]:
+    trials = {"kinematic": 1, "nominal": 1, "uniform": 20, "source": 40, "ilc2": 20, "rl": 2000, "structured": 6}
+    for payload in PAYLOADS:
+        for learner, most in trials.items():
+            for seed in range(min(args.seeds, 3) if learner == "rl" else args.seeds):
+                yield {"payload": payload, "learner": learner, "trials": most, "seed": seed}
+
+
+def one_method(key: Row) -> Row:
+    settings = {"seed": key["seed"]} if key["learner"] == "rl" else key.get("settings", {})
+    plant = make_arm("ideal", task(key.get("acceleration", 10.0)), payload=key["payload"], seed=key["seed"], noise=key.get("noise", 0.5))
+    found = run(
+        task(key.get("acceleration", 10.0)), make_learner(key["learner"], task(key.get("acceleration", 10.0)), settings), plant, key["trials"]
+    )
+    star = oracle(key["payload"])
+    rows = [[t.duration / star, t.true, t.time_over, t.measured, t.clean, t.stopped, (t.lower_bound or math.nan) / star] for t in found.trials]
+    return {"rows": rows if len(rows) <= 60 else rows[-1:], "count": len(rows), "finished": found.finished, "best": found.best}
+
+
+def source(args: argparse.Namespace) -> Iterable[Row]:
+    settings = [(40, 0.03, "corrected"), (40, 0.01, "corrected"), (40, 0.1, "corrected"), (20, 0.03, "corrected"), (80, 0.03, "corrected")]
+    settings += [(80, 0.01, "corrected"), (40, 0.03, "literal"), (80, 0.03, "literal")]
+    for payload in PAYLOADS:
+        for segments, step, reading in settings:
+            usual = (segments, step, reading) == settings[0]
+            chosen = {"segments": segments, "step": step, "reading": reading}
+            for seed in range(args.seeds if usual else 1):
+                yield {"payload": payload, "learner": "source", "trials": 40, "seed": seed, "settings": chosen}
+            yield {"payload": payload, "learner": "source", "trials": 40, "seed": 0, "noise": 0.0, "settings": {**chosen, "margin": 0.0}}
+
+
+def targets(args: argparse.Namespace) -> Iterable[Row]:
+    for payload in PAYLOADS:
+        for noise in (0.5, 0.0, 2.0):
+            for seed in range(args.seeds if noise == 0.5 else min(5, args.seeds)):
+                yield {"payload": payload, "learner": "structured", "trials": 6, "seed": seed, "noise": noise}
+
+
+def random(args: argparse.Namespace) -> Iterable[Row]:
+    return ({"plant": number} for number in range(args.plants))
+
+
+def random_plant(number: int) -> IdealArm | None:
+    """Payload 0 to 5 kg with a random centre within 0.1 m of (0, 0, 0.08) and random inertia, friction of each joint scaled by 0.5 to 1.5, half of
+    the plants with all effects of friction, noise 0.1 to 1 N m; None where standing still is already too much."""
+    draw = np.random.default_rng([20, number])
+    mass, centre = draw.uniform(0, 5), np.array([0, 0, 0.08]) + draw.uniform(-1, 1, 3) * 0.1 / math.sqrt(3)
+    viscous, coulomb = (np.asarray(part) * draw.uniform(0.5, 1.5, 6) for part in usual_friction(task()))
+    arm = task().arm.with_payload(gw.arm.Payload(mass, tuple(centre.tolist()), float(mass * draw.uniform(0.0005, 0.005))))
+    friction = JointFriction.of(draw.choice(["reference", "full"]), tuple(viscous), tuple(coulomb))
+    plant = IdealArm(arm, friction, Sensors.usual(float(draw.uniform(0.1, 1.0)), 6), task().torque, seed=number)
+    still = plant.rows(task(), np.full(len(task().s), 1e-4)).c
+    return plant if (np.abs(still) < 0.98 * task().torque).all() else None
+
+
+def one_random(key: Row) -> Row:
+    plant = random_plant(key["plant"])
+    if plant is None:
+        return {"skipped": True}
+    found = learn_task(task(), plant, trials=6)
+    assert found.oracle is not None
+    rows = [[t.duration / found.oracle.duration, t.true, t.time_over, t.clean, (t.lower_bound or 0) / found.oracle.duration] for t in found.trials]
+    return {"skipped": False, "full": plant.friction.ripple > 0, "mass": plant.arm.payload.mass, "noise": plant.sensors.noise[0], "rows": rows}
+
+
+def mujoco(args: argparse.Namespace) -> Iterable[Row]:
+    for payload, at in ((0.0, (0.0, 0.0, 0.08)), (3.0, OFF), (5.0, OFF)):
+        for friction in ("reference", "full"):
+            for seed in range(min(args.seeds, 10)):
+                yield {"payload": payload, "at": at, "friction": friction, "seed": seed, "trials": 6}
+
+
+def one_mujoco(key: Row) -> Row:
+    at = tuple(key["at"])
+    plant = make_arm("mujoco", task(), payload=key["payload"], payload_at=at, friction=key["friction"], seed=key["seed"])
+    found = run(task(), make_learner("structured", task()), plant, key["trials"])
+    star = oracle(key["payload"], key["friction"], "mujoco", at)
+    rows = [[t.duration / star, t.true, t.time_over, t.measured, t.clean, t.stopped, (t.lower_bound or math.nan) / star] for t in found.trials]
+    return {"rows": rows, "best": found.best}
+
+
+EXPERIMENTS: dict[str, tuple[Callable[[argparse.Namespace], Iterable[Row]], Callable[[Row], Row]]] = {
+    "methods": (methods, one_method),
+    "source": (source, one_method),
+    "targets": (targets, one_method),
+    "random": (random, one_random),
+    "mujoco": (mujoco, one_mujoco),
+}
+
+
+def worked(job: tuple[str, Row]) -> Row:
+    name, key = job
+    try:
+        return {"key": key} | EXPERIMENTS[name][1](key)
+    except gw.Infeasible as error:
+        return {"key": key, "error": str(error)}
+
+
+def rows_of(name: str, args: argparse.Namespace) -> list[Row]:
+    """All runs, those that are on file and those that are done now."""
+    OUT.mkdir(exist_ok=True)
+    file = OUT / f"learning-{name}.jsonl"
+    keys = [json.loads(json.dumps(key)) for key in EXPERIMENTS[name][0](args)]
+    known = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+    missing = [key for key in keys if all(row["key"] != key for row in known)]
+    with file.open("a") as out, multiprocessing.get_context("spawn").Pool(args.workers) as pool:
+        for row in tqdm(pool.imap_unordered(worked, [(name, key) for key in missing]), total=len(missing), disable=not sys.stderr.isatty()):
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+            known.append(row)
+    return [next(row for row in known if row["key"] == key) for key in keys]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("name", choices=EXPERIMENTS)
+    parser.add_argument("--seeds", type=int, default=30)
+    parser.add_argument("--plants", type=int, default=1000)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--docs", action="store_true")
+    args = parser.parse_args()
+    import report
+
+    found = rows_of(args.name, args)
+    size = f" --plants {args.plants}" if args.name == "random" else f" --seeds {args.seeds}"
+    tables.publish(
+        f"learning-{args.name}", f"python experiments/arm/learning.py {args.name}{size} --docs", report.TEXTS[args.name](found), OUT, args.docs
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""What the structure does not explain, as a Gaussian process over the path: ripple, Stribeck, an inexact nominal model, drift."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from guideway.arm.learning.regression import Evidence
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Mean and standard deviation (N m, (B, joints)) in the bins of the path."""
+
+    mean: Floats
+    spread: Floats
+
+    def on(self, share: Floats) -> tuple[Floats, Floats]:
+        """Both at shares (n,) of the path's length, 0 to 1."""
+        bins, joints = self.mean.shape
+        place = np.clip(share * bins - 0.5, 0, bins - 1)
+        at = np.arange(bins)
+        return tuple(np.stack([np.interp(place, at, values[:, j]) for j in range(joints)], 1) for values in (self.mean, self.spread))  # type: ignore[return-value]
+
+
+def amplitude(trials: list[Evidence], mean: Floats) -> Floats:
+    """Root mean square (joints,) of what is left over and alike in neighbouring bins: noise is not, so it drops out."""
+    newest = trials[-1]
+    both = (newest.counts[1:] > 0) & (newest.counts[:-1] > 0)
+    left = newest.left - newest.effects @ mean
+    product = (left[1:] * left[:-1])[both]
+    level = product.mean(0) if len(product) else np.zeros(left.shape[1])
+    doubt = product.std(0) / np.sqrt(max(len(product), 1)) if len(product) else level
+    return np.sqrt(np.maximum(level + doubt, 0.0))
+
+
+def condition(trials: list[Evidence], mean: Floats, size: Floats, age: list[Floats], length: float) -> Residual:
+    """The process given what every trial left over. ``size`` (joints,) is its amplitude, ``length`` its correlation length in bins, ``age`` per trial
+    the share (B, joints) of its variance that the trial says nothing about, because it was run under other conditions or long ago."""
+    bins, joints = trials[0].left.shape
+    weight, right = np.full((bins, joints), 1e-12), np.zeros((bins, joints))
+    for trial, old in zip(trials, age, strict=True):
+        variance = trial.sigma**2 / np.maximum(trial.counts, 1.0)[:, None] + old * size**2
+        share = np.where(trial.counts[:, None] > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
+        weight += share
+        right += share * (trial.left - trial.effects @ mean)
+    at = np.arange(bins)
+    kernel = np.exp(-np.abs(at[:, None] - at) / length)
+    found, spread = np.zeros((bins, joints)), np.zeros((bins, joints))
+    for j in range(joints):
+        own = size[j] ** 2 * kernel
+        solved = np.linalg.solve(own + np.diag(1.0 / weight[:, j]), own)
+        found[:, j] = solved.T @ (right[:, j] / weight[:, j])
+        spread[:, j] = np.sqrt(np.maximum(size[j] ** 2 - np.einsum("ab,ab->b", own, solved), 0.0))
+    return Residual(found, spread)

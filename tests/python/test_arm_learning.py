@@ -1,0 +1,330 @@
+"""Velocity self-learning: what the learner knows, what it learns, and that it never looks where it must not."""
+
+import dataclasses
+import json
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pinocchio")
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+import guideway as gw
+from guideway.arm.learning import LEARNERS, Log, Motion, Task, make_learner
+from guideway.arm.learning.dynamics import Dynamics
+from guideway.arm.learning.loop import learn_task, run
+from guideway.arm.learning.oracle import optimum
+from guideway.arm.learning.polytope import upper_end
+from guideway.arm.learning.records import as_log, load_log
+from guideway.arm.learning.spline import monotone_slopes, smooth_slopes
+from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
+from guideway.plants.arm_friction import JointFriction
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return gw.arm.robot("ur5e")
+
+
+@pytest.fixture(scope="module")
+def star(arm):
+    return gw.arm.joint_path(arm, gw.arm.star())
+
+
+@pytest.fixture(scope="module")
+def task(arm, star):
+    return Task(star.path, arm, gw.arm.JointLimits(speed=np.pi, acceleration=10.0, torque=gw.arm.STAR_TORQUE))
+
+
+def test_payload_friction_and_rotors_enter_linearly(arm, task):
+    mass, at = 3.3, np.array([0.03, -0.02, 0.07])
+    friction = gw.arm.Friction((8, 7, 6, 2, 1, 3), (7, 5, 6, 1, 2, 2))
+    true = Dynamics(arm.with_payload(mass, at).with_friction(friction)).nominal(task.q, task.q1, task.q2)
+    frame = arm.model.frames[arm.model.getFrameId(arm.tip)]
+    lever = frame.placement.act(at)
+    inertia = 0.0017 * mass * np.eye(3) + mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    turned = inertia  # the same in all directions about the centre
+    six = [turned[0, 0], turned[0, 1], turned[1, 1], turned[0, 2], turned[1, 2], turned[2, 2]]
+    numbers = np.concatenate([[mass], mass * lever, six, *friction.arrays(6), np.zeros(18)])
+    found = task.nominal + task.dynamics.parameters(task.q, task.q1, task.q2).times(numbers)
+    for name in "abdc":
+        np.testing.assert_allclose(getattr(found, name), getattr(true, name), atol=1e-9)
+
+
+def test_samples_of_a_motion_are_its_derivatives(task, star):
+    motion = task.optimum().slower(0.7)
+    t = np.linspace(0.1, motion.duration - 0.1, 200)
+    h = 1e-6
+    before, seen, after = (motion.sample(times=t + shift) for shift in (-h, 0.0, h))
+    np.testing.assert_allclose((after.q - before.q) / (2 * h), seen.qd, atol=1e-5)
+    np.testing.assert_allclose((after.speed - before.speed) / (2 * h), seen.u, atol=0.5 * np.abs(np.diff(motion.u)).max())
+    assert motion.sample(500.0).t[-1] == pytest.approx(motion.duration)
+    assert motion.slower(0.5).duration == pytest.approx(2 * motion.duration)
+    timed = motion.timed(star, task.limits)
+    assert timed.duration == pytest.approx(motion.duration)
+
+
+def test_a_motion_that_stands_still_is_refused(task):
+    with pytest.raises(gw.BadParameter, match="stands still"):
+        Motion(task.path, task.s, np.zeros_like(task.s))
+
+
+def test_the_kinematic_optimum_is_that_of_the_reference(task):
+    assert task.optimum().duration == pytest.approx(1.912, rel=0.005)
+    assert task.kinematic_ratio(task.optimum().dense(10)) <= 1 + 1e-6
+
+
+@pytest.mark.parametrize(("payload", "best"), [(0.0, 2.0696), (3.0, 2.0708), (5.0, 2.2999)])
+def test_the_oracle_is_that_of_the_reference(task, payload, best):
+    assert optimum(task, make_arm("ideal", task, payload=payload).rows).duration == pytest.approx(best, rel=0.005)
+
+
+@pytest.mark.parametrize("payload", [0.0, 3.0, 5.0])
+def test_structured_meets_its_targets(task, payload):
+    found = learn_task(task, make_arm("ideal", task, payload=payload, seed=11), trials=6)
+    ratios = [trial.duration / found.oracle.duration for trial in found.trials]
+    assert ratios[3] <= 1.05
+    assert ratios[5] <= 1.03
+    assert all(trial.true <= 0.01 for trial in found.trials[2:])
+    assert all(task.kinematic_ratio(motion.dense()) <= 1 + 1e-6 for motion in found.motions)
+    bounds = [trial.lower_bound / found.oracle.duration for trial in found.trials]
+    assert max(bounds) <= 1.003
+    assert bounds[-1] > 0.95
+    assert found.best is not None
+
+
+def test_structured_raises_speeds_again_when_the_load_is_gone(task):
+    plant = make_arm("ideal", task, payload=5.0, seed=3)
+    learner = make_learner("structured", task, {"forget": 0.2})
+    logs = list(run(task, learner, plant, 3).logs)
+    slow = learner.next(logs).duration
+    light = make_arm("ideal", task, payload=0.0, seed=4)
+    for _ in range(4):
+        logs.append(light.run(learner.next(logs)))
+    assert learner.next(logs).duration < 0.96 * slow
+
+
+class Sealed:
+    """A plant of which only ``run`` can be seen; logs are plain copies."""
+
+    def __init__(self, plant):
+        object.__setattr__(self, "_Sealed__plant", plant)
+        object.__setattr__(self, "touched", [])
+
+    def __getattribute__(self, name):
+        if name in ("run", "touched", "_Sealed__plant", "__class__"):
+            return object.__getattribute__(self, name)
+        object.__getattribute__(self, "touched").append(name)
+        raise AttributeError(name)
+
+    def run(self, motion):
+        log = object.__getattribute__(self, "_Sealed__plant").run(Motion(motion.path, motion.s.copy(), motion.x.copy()))
+        return Log(motion, log.t.copy(), log.q.copy(), log.tau.copy(), log.stopped)
+
+
+@pytest.mark.parametrize("learner", [name for name in LEARNERS if name not in ("guaranteed", "rl")])
+def test_learners_see_nothing_but_logs(task, learner):
+    """The same motions with the plant sealed, and with another plant behind the same logs."""
+    open_run = run(task, make_learner(learner, task), make_arm("ideal", task, payload=3.0, seed=5), 4)
+    sealed = Sealed(make_arm("ideal", task, payload=3.0, seed=5))
+    again = run(task, make_learner(learner, task), sealed, 4)
+    assert set(sealed.touched) <= {"true"}
+    assert [m.x.tolist() for m in again.motions] == [m.x.tolist() for m in open_run.motions]
+
+    class Recorded:
+        arm, payload, friction = task.arm.with_payload(1.0), 1.0, None
+
+        def __init__(self):
+            self.logs = [dataclasses.replace(log) for log in open_run.logs]
+
+        def run(self, motion):
+            return dataclasses.replace(self.logs.pop(0), motion=motion)
+
+    swapped = run(task, make_learner(learner, task), Recorded(), len(open_run.logs))
+    assert [m.x.tolist() for m in swapped.motions] == [m.x.tolist() for m in open_run.motions]
+
+
+@pytest.mark.parametrize("reading", ["corrected", "literal"])
+def test_source_becomes_feasible_and_only_ever_slows_down(task, reading):
+    plant = make_arm("ideal", task, payload=5.0, seed=1)
+    learner = make_learner("source", task, {"reading": reading})
+    found = run(task, learner, plant, 40)
+    assert learner.success
+    assert found.finished
+    assert len(found.trials) <= 40
+    durations = [trial.duration for trial in found.trials]
+    assert all(later >= before - 1e-9 for before, later in pairwise(durations))
+    assert found.trials[-1].true <= 0.0
+    assert all(task.kinematic_ratio(motion.dense(1)) <= 1.0 + 1e-3 for motion in found.motions)
+
+
+def test_source_reports_a_static_overload_instead_of_lowering_for_ever(task):
+    plant = make_arm("ideal", task, payload=5.0, noise=0.1)
+    heavy = dataclasses.replace(plant, arm=task.arm.with_payload(7.0), stop=(9.0, 9.0))
+    with pytest.raises(gw.Infeasible, match=r"static overload: (shoulder_lift|elbow|wrist_1)_joint"):
+        run(task, make_learner("source", task, {"step": 0.3, "trials": 400}), heavy, 400)
+    with pytest.raises(gw.Infeasible, match=r"static overload.*(shoulder_lift|elbow|wrist_1)_joint"):
+        run(task, make_learner("structured", task), dataclasses.replace(heavy), 6)
+
+
+def test_slopes_of_both_readings():
+    values = np.array([0.0, 1.0, 3.0, 2.0, 2.5, 0.5, 0.0])
+    at = np.arange(7) * 0.3
+    np.testing.assert_allclose(smooth_slopes(values, 0.3), CubicSpline(at, values, bc_type="natural")(at, 1), atol=1e-12)
+    np.testing.assert_allclose(monotone_slopes(values, 0.3)[1:-1], PchipInterpolator(at, values)(at[1:-1], 1), atol=1e-12)
+    assert monotone_slopes(values, 0.3)[0] > 0 > monotone_slopes(values, 0.3)[-1]
+
+
+def test_upper_ends_are_proven_and_tight():
+    from scipy.optimize import linprog
+
+    draw = np.random.default_rng(0)
+    a, true, c = draw.normal(size=(60, 5)), draw.normal(size=5) * 0.3, draw.normal(size=5)
+    y = a @ true + draw.uniform(-0.8, 0.8, 60)
+    rows, ends = np.concatenate([a, -a]), np.concatenate([y + 1, 1 - y])
+    exact = -linprog(-c, A_ub=rows, b_ub=ends, bounds=(-10, 10)).fun
+    found = upper_end(c, rows, ends, np.full(5, 10.0))
+    assert exact - 1e-9 <= found <= exact + 1e-5
+
+
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
+def test_guaranteed_never_exceeds_a_limit_and_never_slows_down(task, seed):
+    draw = np.random.default_rng(seed)
+    arm = task.arm.with_payload(float(draw.uniform(0, 4)), (0.02, 0.0, 0.08))
+    plant = IdealArm(arm, JointFriction.of("reference", *usual_friction(task)), Sensors((0.1,) * 6, delay=0), task.torque, seed=seed)
+    found = run(task, make_learner("guaranteed", task, {"bound": 0.7}), plant, 3)
+    assert all(trial.true <= 0 for trial in found.trials)
+    durations = [trial.duration for trial in found.trials]
+    assert durations == sorted(durations, reverse=True)
+    assert durations[-1] < 0.9 * durations[0]
+
+
+def written(path, names, log, **changes):
+    table = {"t": log.t, **{n: log.q[:, k] for k, n in enumerate(names)}, **{f"{n}_torque": log.tau[:, k] for k, n in enumerate(names)}} | changes
+    rows = "\n".join(",".join(f"{v:.8g}" for v in row) for row in np.column_stack(list(table.values())))
+    path.write_text(",".join(table) + "\n" + rows + "\n")
+    return path
+
+
+def test_a_log_from_a_file_is_as_good_as_the_plant_itself(task, tmp_path):
+    plant = make_arm("ideal", task, payload=3.0, seed=2)
+    learner = make_learner("structured", task)
+    log = plant.run(learner.next([]))
+    read, planned = as_log(task, load_log(written(tmp_path / "log.csv", task.arm.names, log), task.arm.names), log.motion)
+    assert planned
+    best = optimum(task, plant.rows).duration
+    assert learner.next([read]).duration < 1.05 * best
+    # a trial that was run at other speeds than planned: its angles tell where and how fast the arm was
+    fresh = make_learner("structured", task)
+    other = plant.run(fresh.next([]).slower(0.8))
+    late = dataclasses.replace(other, t=other.t + 3.0)
+    read, planned = as_log(task, load_log(written(tmp_path / "other.csv", task.arm.names, late), task.arm.names), fresh.next([]))
+    assert not planned
+    motion = fresh.next([read])
+    assert motion.duration < 1.1 * best
+    assert (np.abs(plant.truth(motion.dense())) / task.torque).max() < 1.02
+
+
+def test_what_is_wrong_with_a_log_is_said(task, tmp_path):
+    names = task.arm.names
+    log = make_arm("ideal", task, seed=2).run(make_learner("structured", task).next([]))
+    good = written(tmp_path / "good.csv", names, log)
+
+    def complaint(path):
+        with pytest.raises(gw.BadFile) as caught:
+            as_log(task, load_log(path, names), log.motion)
+        return str(caught.value)
+
+    spoiled = tmp_path / "nan.csv"
+    lines = good.read_text().splitlines()
+    lines[100] = lines[100].replace(lines[100].split(",")[3], "nan", 1)
+    spoiled.write_text("\n".join(lines))
+    assert "line 101" in complaint(spoiled)
+    assert "finite number" in complaint(spoiled)
+    cut = tmp_path / "cut.csv"
+    cut.write_text("\n".join(lines[:90] + good.read_text().splitlines()[90:600]))
+    assert "it is cut" in complaint(cut)
+    cut.write_text("\n".join(good.read_text().splitlines()[:400])[:-20])
+    assert "columns" in complaint(cut)
+    assert "another path" in complaint(written(tmp_path / "path.csv", names, dataclasses.replace(log, q=log.q + 0.1)))
+    assert "no column 'shoulder_pan_joint'" in complaint(written(tmp_path / "joints.csv", tuple("abcdef"), log))
+    mixed = (names[1], names[0], *names[2:])
+    assert "mixed up" in complaint(written(tmp_path / "mixed.csv", mixed, log))
+    assert "does not increase" in complaint(written(tmp_path / "time.csv", names, dataclasses.replace(log, t=np.round(log.t, 2))))
+    short = dataclasses.replace(log, t=log.t[:20], q=log.q[:20], tau=log.tau[:20])
+    assert "at least 50" in complaint(written(tmp_path / "short.csv", names, short))
+    with pytest.raises(gw.BadFile):
+        load_log(tmp_path / "missing.csv", names)
+
+
+def test_safety_stop_ends_a_trial_and_learning_goes_on(task):
+    plant = make_arm("ideal", task, payload=5.0, seed=1)
+    log = plant.run(task.optimum())
+    assert log.stopped
+    assert len(log.t) < len(task.optimum().sample(500.0).t)
+    found = run(task, make_learner("uniform", task), make_arm("ideal", task, payload=5.0, seed=1), 20)
+    assert found.finished
+    assert found.trials[-1].clean
+
+
+def test_learners_and_their_settings_are_checked(task):
+    with pytest.raises(gw.BadParameter, match="one of structured"):
+        make_learner("magic", task)
+    with pytest.raises(gw.BadParameter, match="no setting 'speed'"):
+        make_learner("structured", task, {"speed": 1})
+    with pytest.raises(gw.BadParameter, match="no setting"):
+        make_learner("kinematic", task, {"speed": 1})
+    with pytest.raises(gw.BadParameter, match="trials 0"):
+        learn_task(task, make_arm("ideal", task), trials=0)
+    for wrong in ({"payload": -1.0}, {"friction": "some"}, {"noise": float("nan")}):
+        with pytest.raises(gw.BadParameter):
+            make_arm("ideal", task, **wrong)
+
+
+def test_learning_needs_torque_limits(arm, star):
+    with pytest.raises(gw.BadParameter, match="limit of torque"):
+        Task(star.path, arm, gw.arm.JointLimits(speed=1.0, acceleration=1.0))
+    other, path = gw.arm.robot("irb6700"), gw.Path.through(np.outer([0, 0.5], np.ones(6)))
+    with pytest.raises(gw.BadParameter, match="inertias"):
+        Task(path, other, gw.arm.JointLimits(speed=1.0, acceleration=1.0, torque=100.0))
+
+
+@pytest.mark.parametrize("friction", ["reference", "full"])
+def test_the_simulated_arm_is_learned(task, friction):
+    pytest.importorskip("mujoco")
+    plant = make_arm("mujoco", task, payload=3.0, payload_at=(0.03, 0.02, 0.08), friction=friction, seed=1)
+    found = learn_task(task, plant, trials=6)
+    assert found.trials[-1].duration / found.oracle.duration <= 1.06
+    tracked = found.logs[-1]
+    assert np.abs(tracked.q - tracked.reference.q).max() < 0.03
+
+
+def test_the_command_line_learns(tmp_path, capsys):
+    from guideway.cli import main
+
+    limits = tmp_path / "limits.toml"
+    limits.write_text(f"speed = 3.14159265\nacceleration = 10.0\ntorque = {list(gw.arm.STAR_TORQUE)}\n")
+    base = ["arm", "learn", "--nurbs", "star", "--robot", "ur5e", "--limits", str(limits)]
+    out = tmp_path / "traj.json"
+    assert main([*base, "--payload", "5", "--trials", "3", "--out", str(out)]) == 0
+    assert capsys.readouterr().out.count("\ntrial ") == 2
+    record = json.loads(out.read_text())
+    assert record["duration"] < 1.05 * record["oracle_duration"]
+    assert np.shape(record["tau"]) == np.shape(record["q"]) == (len(record["t"]), 6)
+    assert len(record["trials"]) == 3
+    assert main([*base, "--learner", "magic"]) == 2
+    assert "is not known" in capsys.readouterr().err
+    assert main([*base, "--payload", "9"]) == 3
+    assert "static overload" in capsys.readouterr().err
+    # a real cell: the first motion, its log, the next motion
+    first, second = tmp_path / "first.csv", tmp_path / "second.csv"
+    assert main([*base, "--next", "--csv", str(first)]) == 0
+    assert first.read_text().startswith("t,shoulder_pan_joint,")
+    arm = gw.arm.robot("ur5e")
+    task = Task(gw.arm.joint_path(arm, gw.arm.star()).path, arm, gw.arm.load_limits(limits))
+    log = make_arm("ideal", task, payload=3.0).run(make_learner("structured", task).next([]))
+    assert main([*base, "--log", str(written(tmp_path / "log.csv", arm.names, log)), "--csv", str(second)]) == 0
+    assert float(second.read_text().strip().split("\n")[-1].split(",")[0]) < 1.05 * 2.0708
+    assert main([*base, "--log", str(first)]) == 2
+    assert "no column 'shoulder_pan_joint_torque'" in capsys.readouterr().err

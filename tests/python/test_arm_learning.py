@@ -17,6 +17,7 @@ from guideway.arm.learning.loop import learn_task, run
 from guideway.arm.learning.oracle import optimum
 from guideway.arm.learning.polytope import upper_end
 from guideway.arm.learning.records import as_log, load_log
+from guideway.arm.learning.residual import smoothed
 from guideway.arm.learning.spline import monotone_slopes, smooth_slopes
 from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
 from guideway.plants.arm_friction import JointFriction
@@ -174,6 +175,18 @@ def test_slopes_of_both_readings():
     np.testing.assert_allclose(smooth_slopes(values, 0.3), CubicSpline(at, values, bc_type="natural")(at, 1), atol=1e-12)
     np.testing.assert_allclose(monotone_slopes(values, 0.3)[1:-1], PchipInterpolator(at, values)(at[1:-1], 1), atol=1e-12)
     assert monotone_slopes(values, 0.3)[0] > 0 > monotone_slopes(values, 0.3)[-1]
+
+
+def test_the_residual_is_that_of_the_full_gaussian_process():
+    draw = np.random.default_rng(3)
+    values, variances, size = draw.normal(size=(50, 2)), draw.uniform(0.1, 2.0, (50, 2)), np.array([0.7, 1.3])
+    mean, spread = smoothed(values, variances, size, np.exp(-1 / 8))
+    at = np.arange(50)
+    for j in range(2):
+        kernel = size[j] ** 2 * np.exp(-np.abs(at[:, None] - at) / 8)
+        gain = kernel @ np.linalg.inv(kernel + np.diag(variances[:, j]))
+        np.testing.assert_allclose(mean[:, j], gain @ values[:, j], atol=1e-9)
+        np.testing.assert_allclose(spread[:, j] ** 2, np.diag(kernel - gain @ kernel), atol=1e-9)
 
 
 def test_upper_ends_are_proven_and_tight():

@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.polytope import upper_end
-from guideway.arm.learning.regression import evidence, noise_of, posterior, prior
+from guideway.arm.learning.regression import evidence, posterior, prior
 from guideway.arm.learning.structured import BINS, Structured, sides
 from guideway.arm.learning.task import Task
 from guideway.errors import BadParameter, Infeasible
 
 Floats = NDArray[np.float64]
 
-KEPT = 400
+KEPT = 150
 """Measurements on either side that bound the set; leaving out others only makes it larger."""
 ROUNDS = 6
 WIDEST = 4.0
@@ -62,7 +62,7 @@ class Guaranteed:
     def _remember(self, log: Log) -> None:
         joints = len(self.task.torque)
         if self._error is None:
-            given = 6 * noise_of(log.tau) + 0.05 if self.bound is None else np.broadcast_to(np.asarray(self.bound, float), (joints,))
+            given = 6 * log.noise + 0.05 if self.bound is None else np.broadcast_to(np.asarray(self.bound, float), (joints,))
             if not (np.isfinite(given).all() and (given > 0).all()):
                 raise BadParameter(f"bound {self.bound!r} is out of range: a number of N m above 0, or one per joint")
             self._error = given

@@ -50,7 +50,7 @@ class TwoStep:
             self._correct(log)
             before = self._motion
             self._motion = self._towards(before)
-            clean = not log.stopped and not log.over(self.task.torque).any()
+            clean = not log.stopped and not log.violations(self.task.torque).any()
             self._done = clean and abs(self._motion.duration / before.duration - 1) < self.settled
         return None if self._done else self._motion
 

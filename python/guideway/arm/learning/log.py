@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 
 WINDOW = 7
 """Samples of the centred moving average that violations are judged on."""
+SIGMAS = 4.0
 IN_A_ROW = 3
 """Filtered samples in a row that make a violation."""
 
@@ -40,9 +41,22 @@ class Log:
         """Torques after the centred moving average, (n, joints); shorter windows at the ends."""
         return smooth(self.tau, WINDOW)
 
+    @cached_property
+    def noise(self) -> Floats:
+        """Standard deviation (joints,) of a torque sample's noise, N m, from the median size of its steps: motion changes little between samples."""
+        steps = np.diff(self.tau, axis=0)
+        return 1.4826 * np.median(np.abs(steps - np.median(steps, 0)), 0) / np.sqrt(2)
+
     def over(self, limit: Floats, margin: float = 0.0) -> NDArray[np.bool_]:
         """Where a joint's filtered torque is beyond ``limit * (1 - margin)`` for at least three samples in a row, (n, joints)."""
-        beyond = np.abs(self.filtered) > limit * (1 - margin)
+        return self._beyond(limit * (1 - margin))
+
+    def violations(self, limit: Floats) -> NDArray[np.bool_]:
+        """Where it is beyond the limit by more than its noise explains: four standard deviations of the filtered signal, three samples in a row."""
+        return self._beyond(limit + SIGMAS * self.noise / np.sqrt(WINDOW))
+
+    def _beyond(self, limit: Floats) -> NDArray[np.bool_]:
+        beyond = np.abs(self.filtered) > limit
         return np.stack([_runs(column, IN_A_ROW) for column in beyond.T], 1)
 
 
@@ -52,7 +66,7 @@ def smooth(values: Floats, window: int) -> Floats:
     total = np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, 0)])
     k = np.arange(len(values))
     low, high = np.maximum(k - half, 0), np.minimum(k + half + 1, len(values))
-    return (total[high] - total[low]) / (high - low)[:, None]
+    return (total[high] - total[low]) / (high - low).reshape(-1, *(1,) * (values.ndim - 1))
 
 
 def _runs(flags: NDArray[np.bool_], least: int) -> NDArray[np.bool_]:

@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 @dataclass(frozen=True)
 class Trial:
     """A trial: its ``number`` from 1, ``duration`` (s), the ``lower_bound`` (s) its learner then knew, ``measured``: largest filtered torque over its
-    limit less 1 (below 0: inside) and the ``samples`` that counted as violations, ``stopped`` early. Of a simulated plant also ``true`` (the same of
+    limit less 1 (below 0: inside) and the ``samples`` beyond what noise explains, ``stopped`` early. Of a simulated plant also ``true`` (the same of
     the true torque) and ``time_over`` (s with any joint over its limit)."""
 
     number: int
@@ -86,7 +86,7 @@ class Learned:
 def judged(task: Task, number: int, log: Log, lower: float | None, true: tuple[Floats, Floats] | None) -> Trial:
     """What can be said of a trial."""
     measured = float((np.abs(log.filtered) / task.torque).max() - 1)
-    samples = int(log.over(task.torque).any(1).sum())
+    samples = int(log.violations(task.torque).any(1).sum())
     found = (number, log.motion.duration, lower, measured, samples, log.stopped)
     if true is None:
         return Trial(*found)

@@ -29,7 +29,7 @@ def optimum(task: Task, rows: TrueRows) -> Motion:
     for _ in range(ROUNDS):
         before = motion
         true = rows(fine, motion.x)
-        motion = fine.optimum(true, -bound, bound)
+        motion = fine.optimum(true, -bound, bound, motion)
         if np.allclose(before.x, motion.x, rtol=1e-6, atol=1e-9):
             break
     return motion

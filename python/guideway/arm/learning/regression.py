@@ -34,12 +34,6 @@ class Evidence:
     x: Floats
 
 
-def noise_of(tau: Floats) -> Floats:
-    """Standard deviation of the noise of each joint's torque, from the median size of its steps: motion changes little from sample to sample."""
-    steps = np.diff(tau, axis=0)
-    return 1.4826 * np.median(np.abs(steps - np.median(steps, 0)), 0) / np.sqrt(2)
-
-
 def evidence(task: Task, log: Log, lag: int | None, bins: int) -> tuple[Evidence, int]:
     """A log as evidence, and the delay of its torques in samples (found where ``lag`` is None)."""
     seen = log.reference
@@ -49,7 +43,7 @@ def evidence(task: Task, log: Log, lag: int | None, bins: int) -> tuple[Evidence
     nominal = log.tau - left
     effects = task.dynamics.parameters(*path).at(seen.u, x)
     floor = 1e-3 * task.torque
-    sigma = np.maximum(noise_of(log.tau), floor)
+    sigma = np.maximum(log.noise, floor)
     lag = _lag(log.tau, nominal, effects, sigma) if lag is None else lag
     count = len(log.t) - lag
     left, effects = log.tau[lag:] - nominal[:count], effects[:count]

@@ -48,12 +48,22 @@ def condition(trials: list[Evidence], mean: Floats, size: Floats, age: list[Floa
         share = np.where(trial.counts[:, None] > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
         weight += share
         right += share * (trial.left - trial.effects @ mean)
-    at = np.arange(bins)
-    kernel = np.exp(-np.abs(at[:, None] - at) / length)
-    found, spread = np.zeros((bins, joints)), np.zeros((bins, joints))
-    for j in range(joints):
-        own = size[j] ** 2 * kernel
-        solved = np.linalg.solve(own + np.diag(1.0 / weight[:, j]), own)
-        found[:, j] = solved.T @ (right[:, j] / weight[:, j])
-        spread[:, j] = np.sqrt(np.maximum(size[j] ** 2 - np.einsum("ab,ab->b", own, solved), 0.0))
-    return Residual(found, spread)
+    return Residual(*smoothed(right / weight, 1.0 / weight, size, float(np.exp(-1.0 / length))))
+
+
+def smoothed(values: Floats, variances: Floats, size: Floats, alike: float) -> tuple[Floats, Floats]:
+    """Mean and standard deviation (B, joints) of an Ornstein-Uhlenbeck process (exponential kernel: neighbours are ``alike`` correlated, amplitude
+    ``size``) given noisy values. The process is a Markov chain, so a pass forwards and one backwards are all it takes."""
+    bins = len(values)
+    mean, variance = np.zeros_like(values), np.zeros_like(values)
+    guess, doubt = np.zeros_like(size), size**2
+    for k in range(bins):
+        gain = doubt / (doubt + variances[k])
+        mean[k], variance[k] = guess + gain * (values[k] - guess), (1 - gain) * doubt
+        guess, doubt = alike * mean[k], alike**2 * variance[k] + (1 - alike**2) * size**2
+    for k in range(bins - 2, -1, -1):
+        ahead = alike**2 * variance[k] + (1 - alike**2) * size**2
+        back = alike * variance[k] / np.maximum(ahead, 1e-300)
+        mean[k] += back * (mean[k + 1] - alike * mean[k])
+        variance[k] += back**2 * (variance[k + 1] - ahead)
+    return mean, np.sqrt(np.maximum(variance, 0.0))

@@ -139,7 +139,8 @@ class Source:
         over = log.over(self.task.torque, self.margin)
         where = np.floor(log.reference.s / self.task.s[-1] * self.segments).astype(int) == segment
         joint = int(np.argmax((np.abs(log.filtered) / self.task.torque * over)[where].max(0))) if (where & over.any(1)).any() else 0
+        place, limit = segment / self.segments * self.task.s[-1], self.task.torque[joint]
         raise Infeasible(
-            f"static overload: {self.task.arm.names[joint]} is over its limit of {self.task.torque[joint]:g} N m in segment {segment + 1} "
-            f"of {self.segments} (s = {segment / self.segments * self.task.s[-1]:.3f} rad) though the path is passed at the lowest speed: a slower motion does not help"
+            f"static overload: {self.task.arm.names[joint]} is over its limit of {limit:g} N m in segment {segment + 1} of {self.segments} "
+            f"(s = {place:.3f} rad) though the path is passed at the lowest speed: a slower motion does not help"
         )

@@ -68,7 +68,7 @@ class Structured:
             self.lower_bound = self._kinematic.duration
             return self._planned
         self._plan()
-        clean = not logs[-1].stopped and not logs[-1].over(self.task.torque).any()
+        clean = not logs[-1].stopped and not logs[-1].violations(self.task.torque).any()
         if self.until and clean and self._planned.duration <= self.until * (self.lower_bound or 0.0):
             return None
         return self._planned
@@ -93,12 +93,12 @@ class Structured:
         rows, spread = self._predicted(belief, size, structure, motion)
         for step in range(ROUNDS):
             room = self._room(rows, spread)
-            motion = task.optimum(rows, -room, room)
+            motion = task.optimum(rows, -room, room, motion)
             if step < ROUNDS - 1:
                 rows, now = self._predicted(belief, size, structure, motion)
                 spread = now if step < ROUNDS - 2 else np.maximum(now, spread)
         wide = torque + self.sigmas * spread
-        fastest = task.optimum(rows, -wide, wide)
+        fastest = task.optimum(rows, -wide, wide, motion)
         self.lower_bound = max(self._kinematic.duration, min(fastest.duration, motion.duration))
         self._planned = motion
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,10 @@ Floats = NDArray[np.float64]
 
 INTERVALS = 1000
 """Of the grid that motions are planned on."""
+INSIDE = 10
+"""Parts of an interval in which accelerations are checked."""
+SPARE = 1e-3
+"""Share of the acceleration limits that is left for what happens between those points."""
 TIGHTENINGS = 4
 """Times that limits are drawn in for what happens between grid points."""
 
@@ -47,8 +52,8 @@ class Task:
         forward = q1 >= 0
         return -np.where(forward, self.deceleration, self.acceleration), np.where(forward, self.acceleration, self.deceleration)
 
-    def optimum(self, rows: Rows | None = None, low: Floats | None = None, high: Floats | None = None) -> Motion:
-        """The fastest motion under the kinematic limits and ``low <= rows <= high`` (N m, (n, joints)), rest to rest.
+    def optimum(self, rows: Rows | None = None, low: Floats | None = None, high: Floats | None = None, near: Motion | None = None) -> Motion:
+        """The fastest motion under the kinematic limits and ``low <= rows <= high`` (N m, (n, joints)), rest to rest; ``near`` it, computing is quicker.
 
         Raises :class:`guideway.errors.Infeasible` where even standing still breaks a bound, or no motion exists.
         """
@@ -58,36 +63,75 @@ class Task:
             self._holds_still(rows, low, high)
             a, b, d, c = (np.concatenate(pair, 1) for pair in ((a, rows.a), (b, rows.b), (d, rows.d), (c, rows.c)))
             slowest, fastest = np.concatenate([slowest, low], 1), np.concatenate([fastest, high], 1)
-        return self.slowed(self._between(slowest, fastest, (a, b, d, c)))
+        return self.slowed(self._between(slowest, fastest, (a, b, d, c), near))
+
+    def _worst(self, motion: Motion) -> Floats:
+        """Largest share of its limit that any joint's acceleration takes on each interval of the grid."""
+        q1, q2, low, high = self._between_points
+        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
+        x = (motion.x[:-1] * (1 - share) + motion.x[1:] * share)[:, :, None]
+        acceleration = q1 * motion.u[:, None] + q2 * x
+        return np.maximum(acceleration / high, acceleration / low).max((0, 2))
+
+    @cached_property
+    def _between_points(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Derivatives of the path and bounds of accelerations at the ends of each interval and between, (inside + 1, n - 1, joints)."""
+        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
+        places = self.s[:-1] * (1 - share) + self.s[1:] * share
+        _, q1, q2 = self.path.eval(np.minimum(places.ravel(), self.s[-1]), 2)
+        q1, q2 = (part.reshape(*places.shape, -1) for part in (q1, q2))
+        return q1, q2, *self.bounds(q1)
 
     def slowed(self, motion: Motion) -> Motion:
         """The motion, slower as a whole where it exceeds a speed or an acceleration, so that it does not."""
-        most = self.kinematic_ratio(motion.dense())
+        if motion.s is self.s:
+            q1 = self._between_points[0]
+            share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
+            x = (motion.x[:-1] * (1 - share) + motion.x[1:] * share)[:, :, None]
+            most = float(np.sqrt(max((x * (q1 / self.speed) ** 2).max(), self._worst(motion).max())))
+        else:
+            most = self.kinematic_ratio(motion.dense())
         return motion if most <= 1.0 else motion.slower(1.0 / (most * (1 + 1e-12)))
 
-    def _between(self, low: Floats, high: Floats, rows: tuple[Floats, Floats, Floats, Floats]) -> Motion:
+    def _between(self, low: Floats, high: Floats, rows: tuple[Floats, Floats, Floats, Floats], near: Motion | None) -> Motion:
         """The optimum on the grid, its acceleration limits drawn in where they were exceeded between grid points, until next to nothing is left."""
         joints = len(self.speed)
         scale = np.ones_like(low)
-        motion = Motion(self.path, self.s, solve(self.s, self.ceiling, rows, low, high))
+        scale[:, :joints] -= SPARE
+        guess = None if near is None else near.squared(self.s)
+        motion = Motion(self.path, self.s, solve(self.s, self.ceiling, rows, low * scale, high * scale, guess))
         for _ in range(TIGHTENINGS):
-            worst = self._ratios(motion.dense()).reshape(len(self.s) - 1, -1).max(1)
-            if worst.max() <= 1 + 1e-4:
+            worst = self._worst(motion)
+            if worst.max() <= 1 - 0.5 * SPARE:
                 break
-            step = 1.0 / np.maximum(worst, 1.0)
+            step = np.minimum((1 - SPARE) / worst, 1.0)
             scale[:, :joints] *= np.minimum(np.append(step, 1.0), np.append(1.0, step))[:, None]
-            motion = Motion(self.path, self.s, solve(self.s, self.ceiling, rows, low * scale, high * scale))
+            motion = Motion(self.path, self.s, solve(self.s, self.ceiling, rows, low * scale, high * scale, motion.x))
         return motion
+
+    def _worst(self, motion: Motion) -> Floats:
+        """Largest share of its limit that any joint's acceleration takes on each interval of the grid."""
+        q1, q2, low, high = self._between_points
+        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
+        x = (motion.x[:-1] * (1 - share) + motion.x[1:] * share)[:, :, None]
+        acceleration = q1 * motion.u[:, None] + q2 * x
+        return np.maximum(acceleration / high, acceleration / low).max((0, 2))
+
+    @cached_property
+    def _between_points(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Derivatives of the path and bounds of accelerations at the ends of each interval and between, (inside + 1, n - 1, joints)."""
+        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
+        places = self.s[:-1] * (1 - share) + self.s[1:] * share
+        _, q1, q2 = self.path.eval(np.minimum(places.ravel(), self.s[-1]), 2)
+        q1, q2 = (part.reshape(*places.shape, -1) for part in (q1, q2))
+        return q1, q2, *self.bounds(q1)
 
     def kinematic_ratio(self, seen: Sampled) -> float:
         """Largest speed over its limit, and root of the largest acceleration over its limit: how much slower a motion would have to be."""
-        speed = (np.abs(seen.qd) / self.speed).max()
-        return float(max(speed, np.sqrt(max(self._ratios(seen).max(), 0.0))))
-
-    def _ratios(self, seen: Sampled) -> Floats:
-        """Largest share of its limit that any joint's acceleration takes, (n,)."""
         low, high = self.bounds(seen.q1)
-        return np.where(seen.qdd > 0, seen.qdd / high, seen.qdd / low).max(1)
+        speed = float((np.abs(seen.qd) / self.speed).max())
+        acceleration = float(np.maximum(seen.qdd / high, seen.qdd / low).max())
+        return max(speed, float(np.sqrt(max(acceleration, 0.0))))
 
     def _holds_still(self, rows: Rows, low: Floats, high: Floats) -> None:
         """At rest the torque must be inside: nothing slower helps."""

@@ -59,7 +59,6 @@ class MujocoArm:
     def __post_init__(self) -> None:
         self._mj: Any = importlib.import_module("mujoco")
         self.model = self._mj.MjModel.from_xml_string(document(self.arm))
-        self.model.dof_armature[:] = ROTOR
         self._ideal = IdealArm(self.arm, self.friction, self.sensors, self.torque)
 
     def run(self, motion: Motion) -> Log:
@@ -158,7 +157,8 @@ def document(arm: Arm) -> str:
             joint.calc(data, pin.neutral(model)[joint.idx_q : joint.idx_q + joint.nq])
             along = np.asarray(data.S).ravel()
             slides = np.abs(along[:3]).sum() > 0
-            SubElement(body, "joint", name=model.names[index], type="slide" if slides else "hinge", axis=_text(along[:3] if slides else along[3:]))
+            about = {"type": "slide" if slides else "hinge", "axis": _text(along[:3] if slides else along[3:]), "armature": str(ROTOR)}
+            SubElement(body, "joint", name=model.names[index], **about)
         bodies[index] = body
     return tostring(root, encoding="unicode")
 

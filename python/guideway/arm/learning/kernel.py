@@ -10,7 +10,7 @@ from guideway.errors import Infeasible
 
 Floats = NDArray[np.float64]
 
-ROUNDS = 12
+FEW, MANY, ROUNDS = 4, 10, 12
 SETTLED = 1e-6
 """Rounds end when no squared speed changes by more than this share of the largest one."""
 NOTHING = 1e-9
@@ -18,34 +18,39 @@ NOTHING = 1e-9
 
 
 def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats], low: Floats, high: Floats, guess: Floats | None = None) -> Floats:
-    """Squared speeds of the fastest motion from rest to rest under ``low <= a u + b x + d sqrt(x) + c <= high``; ``rows`` is (a, b, d, c), ``guess`` a
-    first idea of the result.
+    """Squared speeds of the fastest motion from rest to rest under ``low <= a u + b x + d sqrt(x) + c <= high``; ``rows`` is (a, b, d, c), ``guess``
+    a first idea of the result.
 
-    The root is replaced by its chord from 0 in the first round, which is exact at rest, and by its tangent at the result of the round before in the
-    others, which settles fast; where a tangent asks for more than there is at a place that has become much slower, the chord is taken again.
+    The root is replaced by its tangent at the result of the round before, which settles fast. Chords from 0 come first where there is no guess, and
+    all the way where a tangent fails (it asks for too much at a place that has become much slower): they halve the error of a round, and never fail.
     """
     a, b, d, c = (np.where(np.abs(part) < NOTHING, 0.0, part) for part in rows)
     low, high = (np.ascontiguousarray(np.broadcast_to(bound, a.shape)) for bound in (low, high))
     if not d.any():
         return np.asarray(_core.topp_kernel(s, ceiling, a, b, c, low, high))
-    x = 0.25 * ceiling if guess is None else guess
-    least = 1e-8 * float(ceiling.max())
 
-    def chord() -> Floats:
-        return np.asarray(_core.topp_kernel(s, ceiling, a, b + d / root[:, None], c, low, high))
+    def chords(count: int) -> Floats:
+        x = 0.25 * ceiling
+        for _ in range(count):
+            x = np.asarray(_core.topp_kernel(s, ceiling, a, b + d / _root(x, ceiling), c, low, high))
+        return x
 
-    for number in range(ROUNDS):
-        root = np.sqrt(np.maximum(x, least))
-        if number == 0:
-            found = chord()
-        else:
-            half = 0.5 * d
-            try:
-                found = np.asarray(_core.topp_kernel(s, ceiling, a, b + half / root[:, None], c + half * root[:, None], low, high))
-            except Infeasible:
-                found = chord()
-        settled = number > 0 and np.abs(found - x).max() <= SETTLED * float(found.max())
+    x, half = chords(FEW) if guess is None else guess, 0.5 * d
+    for _ in range(ROUNDS):
+        root = _root(x, ceiling)
+        try:
+            found = np.asarray(_core.topp_kernel(s, ceiling, a, b + half / root, c + half * root, low, high))
+        except Infeasible:
+            return chords(MANY)
+        if (found[1:-1] <= 0).any():
+            return chords(MANY)
+        settled = np.abs(found - x).max() <= SETTLED * float(found.max())
         x = found
         if settled:
             break
     return x
+
+
+def _root(x: Floats, ceiling: Floats) -> Floats:
+    """Speeds (n, 1), none of them 0."""
+    return np.sqrt(np.maximum(x, 1e-8 * float(ceiling.max())))[:, None]

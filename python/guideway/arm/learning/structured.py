@@ -97,7 +97,7 @@ class Structured:
             if step < ROUNDS - 1:
                 rows, now = self._predicted(belief, size, structure, motion)
                 spread = now if step < ROUNDS - 2 else np.maximum(now, spread)
-        wide = torque + self.sigmas * spread
+        wide = np.maximum(torque + self.sigmas * spread, self._room(rows, spread))
         fastest = task.optimum(rows, -wide, wide, motion)
         self.lower_bound = max(self._kinematic.duration, min(fastest.duration, motion.duration))
         self._planned = motion

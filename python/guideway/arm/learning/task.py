@@ -53,7 +53,8 @@ class Task:
         return -np.where(forward, self.deceleration, self.acceleration), np.where(forward, self.acceleration, self.deceleration)
 
     def optimum(self, rows: Rows | None = None, low: Floats | None = None, high: Floats | None = None, near: Motion | None = None) -> Motion:
-        """The fastest motion under the kinematic limits and ``low <= rows <= high`` (N m, (n, joints)), rest to rest; ``near`` it, computing is quicker.
+        """The fastest motion under the kinematic limits and ``low <= rows <= high`` (N m, (n, joints)), rest to rest; ``near`` it, computing is
+        quicker.
 
         Raises :class:`guideway.errors.Infeasible` where even standing still breaks a bound, or no motion exists.
         """

@@ -210,7 +210,6 @@ def test_guaranteed_never_exceeds_a_limit_and_never_slows_down(task, seed):
     assert all(trial.true <= 0 for trial in found.trials)
     durations = [trial.duration for trial in found.trials]
     assert durations == sorted(durations, reverse=True)
-    assert durations[-1] < 0.9 * durations[0]
 
 
 def written(path, names, log, **changes):
@@ -340,4 +339,4 @@ def test_the_command_line_learns(tmp_path, capsys):
     assert main([*base, "--log", str(written(tmp_path / "log.csv", arm.names, log)), "--csv", str(second)]) == 0
     assert float(second.read_text().strip().split("\n")[-1].split(",")[0]) < 1.05 * 2.0708
     assert main([*base, "--log", str(first)]) == 2
-    assert "no column 'shoulder_pan_joint_torque'" in capsys.readouterr().err
+    assert "the log has no column" in capsys.readouterr().err

@@ -6,7 +6,10 @@ import argparse
 import importlib
 from typing import Any
 
-SUB_VERBS = {"time": ("arm_time", "the fastest motion along a path under the limits of the joints, with its certificate")}
+SUB_VERBS = {
+    "time": ("arm_time", "the fastest motion along a path under the limits of the joints, with its certificate"),
+    "learn": ("arm_learn", "the fastest motion along a path, learned from measured torques"),
+}
 """Sub-verbs: the module below ``guideway.commands`` and a line each."""
 
 

@@ -158,7 +158,7 @@ def document(arm: Arm) -> str:
             along = np.asarray(data.S).ravel()
             slides = np.abs(along[:3]).sum() > 0
             about = {"type": "slide" if slides else "hinge", "axis": _text(along[:3] if slides else along[3:]), "armature": str(ROTOR)}
-            SubElement(body, "joint", name=model.names[index], **about)
+            SubElement(body, "joint", {"name": str(model.names[index]), **about})
         bodies[index] = body
     return tostring(root, encoding="unicode")
 

@@ -66,23 +66,6 @@ class Task:
             slowest, fastest = np.concatenate([slowest, low], 1), np.concatenate([fastest, high], 1)
         return self.slowed(self._between(slowest, fastest, (a, b, d, c), near))
 
-    def _worst(self, motion: Motion) -> Floats:
-        """Largest share of its limit that any joint's acceleration takes on each interval of the grid."""
-        q1, q2, low, high = self._between_points
-        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
-        x = (motion.x[:-1] * (1 - share) + motion.x[1:] * share)[:, :, None]
-        acceleration = q1 * motion.u[:, None] + q2 * x
-        return np.maximum(acceleration / high, acceleration / low).max((0, 2))
-
-    @cached_property
-    def _between_points(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Derivatives of the path and bounds of accelerations at the ends of each interval and between, (inside + 1, n - 1, joints)."""
-        share = np.linspace(0.0, 1.0, INSIDE + 1)[:, None]
-        places = self.s[:-1] * (1 - share) + self.s[1:] * share
-        _, q1, q2 = self.path.eval(np.minimum(places.ravel(), self.s[-1]), 2)
-        q1, q2 = (part.reshape(*places.shape, -1) for part in (q1, q2))
-        return q1, q2, *self.bounds(q1)
-
     def slowed(self, motion: Motion) -> Motion:
         """The motion, slower as a whole where it exceeds a speed or an acceleration, so that it does not."""
         if motion.s is self.s:

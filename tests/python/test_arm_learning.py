@@ -319,12 +319,17 @@ def test_the_command_line_learns(tmp_path, capsys):
     limits.write_text(f"speed = 3.14159265\nacceleration = 10.0\ntorque = {list(gw.arm.STAR_TORQUE)}\n")
     base = ["arm", "learn", "--nurbs", "star", "--robot", "ur5e", "--limits", str(limits)]
     out = tmp_path / "traj.json"
-    assert main([*base, "--payload", "5", "--trials", "3", "--out", str(out)]) == 0
+    assert main([*base, "--payload", "5", "--trials", "3", "--out", str(out), "--report", str(tmp_path / "learned.html")]) == 0
     assert capsys.readouterr().out.count("\ntrial ") == 2
     record = json.loads(out.read_text())
     assert record["duration"] < 1.05 * record["oracle_duration"]
     assert np.shape(record["tau"]) == np.shape(record["q"]) == (len(record["t"]), 6)
     assert len(record["trials"]) == 3
+    for row, duration in [(trial["profile"], trial["duration"]) for trial in record["trials"]] + [(record["oracle"], record["oracle_duration"])]:
+        v = np.sqrt(row["x"])
+        assert (2 * np.diff(row["s"]) / (v[1:] + v[:-1])).sum() == pytest.approx(duration, rel=0.02)
+    page = (tmp_path / "learned.html").read_text("utf-8")
+    assert page.count('"profile":{"s":') == 3
     assert main([*base, "--learner", "magic"]) == 2
     assert "is not known" in capsys.readouterr().err
     assert main([*base, "--payload", "9"]) == 3

@@ -57,6 +57,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     out.add_argument("--out", metavar="FILE", help="the record as JSON")
     out.add_argument("--csv", metavar="FILE", help="the motion of the joints as a table")
     out.add_argument("--urscript", metavar="FILE", help="a program of servoj steps for arms of Universal Robots")
+    out.add_argument("--report", metavar="FILE", help="a self-contained HTML report")
     out.add_argument("--rate", type=float, default=500.0, metavar="HZ", help="samples per second in files (default 500)")
     out.add_argument("--json", action="store_true", help="the record on stdout, and nothing else there")
     parser.set_defaults(handler=handle)
@@ -65,7 +66,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
 def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
     _check(arguments)
-    options.writable(arguments.out, arguments.csv, arguments.urscript, inputs=(arguments.path, arguments.urdf, arguments.limits, *arguments.log))
+    outputs = (arguments.out, arguments.csv, arguments.urscript, arguments.report)
+    options.writable(*outputs, inputs=(arguments.path, arguments.urdf, arguments.limits, *arguments.log))
     try:
         task, path = _task(arguments)
         if arguments.log or arguments.next:
@@ -141,6 +143,7 @@ def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> in
     record["tau"] = np.round(np.stack([np.interp(record["t"], t, column) for column in tau.T], 1), 9).tolist()
     record |= {"learner": found.learner, "plant": plant.report(), "trials": found.rows(), "best": best + 1}
     record["oracle_duration"] = found.oracle.duration if found.oracle else None
+    record["oracle"] = found.oracle.profile() if found.oracle else None
     _deliver(arguments, task, path, found.motions[best], record)
     if not arguments.json:
         print(summary(found, best))
@@ -153,7 +156,7 @@ def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> in
 def _next(arguments: argparse.Namespace, task: Task, path: JointPath) -> int:
     """The motion to run next on a real arm, from the logs of the trials so far."""
     from guideway.arm.learning import make_learner
-    from guideway.arm.learning.loop import judged
+    from guideway.arm.learning.loop import judged, with_profiles
     from guideway.arm.learning.records import as_log, load_log
 
     learner = make_learner(arguments.learner, task, _settings(arguments))
@@ -178,7 +181,8 @@ def _next(arguments: argparse.Namespace, task: Task, path: JointPath) -> int:
     record = _record(arguments, task, path, motion)
     from dataclasses import asdict
 
-    record |= {"learner": arguments.learner, "plant": None, "trials": [asdict(trial) | {"clean": trial.clean} for trial in trials]}
+    rows = [asdict(trial) | {"clean": trial.clean} for trial in trials]
+    record |= {"learner": arguments.learner, "plant": None, "trials": with_profiles(rows, [log.motion for log in logs])}
     record |= {"oracle_duration": None, "lower_bound": getattr(learner, "lower_bound", None)}
     _deliver(arguments, task, path, motion, record)
     if not arguments.json:
@@ -208,6 +212,12 @@ def _deliver(arguments: argparse.Namespace, task: Task, path: JointPath, motion:
             options.write(place, text())
             if not arguments.json:
                 print(f"wrote        {place}")
+    if arguments.report:
+        from guideway.view import arm_report
+
+        arm_report(outputs.plain(record), arguments.report)
+        if not arguments.json:
+            print(f"wrote        {arguments.report}")
     if arguments.json:
         print(json.dumps(outputs.plain(record), allow_nan=False))
 

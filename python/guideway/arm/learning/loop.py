@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
+PROFILES = 60
+"""Trials whose profile is in the record."""
+
+
 @dataclass(frozen=True)
 class Trial:
     """A trial: its ``number`` from 1, ``duration`` (s), the ``lower_bound`` (s) its learner then knew, ``measured``: largest filtered torque over its
@@ -75,12 +79,22 @@ class Learned:
         return self.motions[self.best]
 
     def rows(self) -> list[dict[str, Any]]:
-        """The trials as records, with the ratio to the oracle where there is one."""
+        """The trials as records, with the ratio to the oracle where there is one, and the profile of some of them (:func:`with_profiles`)."""
         known = {"ratio": None} if self.oracle is None else {}
-        return [
+        rows = [
             asdict(trial) | {"clean": trial.clean} | (known or {"ratio": trial.duration / self.oracle.duration if self.oracle else None})
             for trial in self.trials
         ]
+        return with_profiles(rows, self.motions)
+
+
+def with_profiles(rows: list[dict[str, Any]], motions: Sequence[Motion]) -> list[dict[str, Any]]:
+    """Records of trials with the ``profile`` of their motions, of more than :data:`PROFILES` trials only that of the clean ones' fastest, the last
+    one and some in between."""
+    step = max(1, -(-len(rows) // PROFILES))
+    clean = [k for k, row in enumerate(rows) if row["clean"]]
+    kept = {*range(0, len(rows), step), len(rows) - 1, *(clean and [min(clean, key=lambda k: rows[k]["duration"])])}
+    return [row | ({"profile": motion.profile()} if k in kept else {}) for k, (row, motion) in enumerate(zip(rows, motions, strict=True))]
 
 
 def judged(task: Task, number: int, log: Log, lower: float | None, true: tuple[Floats, Floats] | None) -> Trial:

@@ -78,6 +78,11 @@ class Motion:
         """The same motion with every speed times ``factor``."""
         return Motion(self.path, self.s, self.x * factor * factor)
 
+    def profile(self, points: int = 250) -> dict[str, list[float]]:
+        """Places ``s`` (rad) and squares ``x`` of the speed there (rad2/s2), at about so many of the grid's places, for pictures."""
+        kept = np.unique(np.linspace(0, len(self.s) - 1, min(points, len(self.s))).round().astype(int))
+        return {"s": np.round(self.s[kept], 6).tolist(), "x": np.round(self.x[kept], 6).tolist()}
+
     def squared(self, s: ArrayLike) -> Floats:
         """Speed squared at places of the path."""
         return np.interp(np.asarray(s, float), self.s, self.x)

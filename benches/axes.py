@@ -7,7 +7,7 @@ Run with a release build of guideway and `pip install -r benches/requirements.tx
 Inputs are made before the clock starts; both are timed in turns on the same batch, CPU time of one thread, the median of the batches.
 Goals that cannot be come from within the limits of velocity are left out, as no motion keeps the limits; starts that cannot go on within
 them stay in (both bring them back).
-"wide": limits and distances log-uniform over ratios of 10^4.
+"1 : 10^4": limits and distances log-uniform, limits over that ratio, distances from 1e-4 to 1e4.
 """
 
 from __future__ import annotations
@@ -36,19 +36,16 @@ class Kind:
     axes: int
     asymmetric: bool
     share: float
-    wide: bool = False
+    wide: int = 0
+    """Limits and distances log-uniform, limits over a ratio of 10 to this; 0: uniform, narrow."""
 
     def __str__(self) -> str:
-        limits = ("asymmetric" if self.asymmetric else "symmetric") + (", wide" if self.wide else "")
+        limits = ("asymmetric" if self.asymmetric else "symmetric") + (f", 1 : 10^{self.wide}" if self.wide else "")
         return f"{self.axes} | {limits} | {self.share:g}"
 
 
-KINDS = [
-    Kind(axes, asymmetric, share, wide)
-    for axes in (1, 7)
-    for asymmetric in (False, True)
-    for share, wide in ((0, False), (0.5, False), (1, False), (0.5, True))
-]
+ENDS = ((0, 0), (0.5, 0), (1, 0), (0.5, 4), (0.5, 6))
+KINDS = [Kind(axes, asymmetric, share, wide) for axes in (1, 7) for asymmetric in (False, True) for share, wide in ENDS]
 
 
 def inputs(kind: Kind, count: int, seed: int) -> dict[str, Floats]:
@@ -59,7 +56,8 @@ def inputs(kind: Kind, count: int, seed: int) -> dict[str, Floats]:
     def drawn(low: float, high: float) -> Floats:
         return 10.0 ** rng.uniform(low, high, shape) if kind.wide else rng.uniform(low, high, shape)
 
-    ranges = ((-2, 2), (-2, 2), (-2, 2)) if kind.wide else ((0.5, 3), (1, 10), (5, 100))
+    half = kind.wide / 2
+    ranges = ((-half, half),) * 3 if kind.wide else ((0.5, 3), (1, 10), (5, 100))
     vmax, amax, jerk = (drawn(*r) for r in ranges)
     vmin, amin = (-drawn(*ranges[0]), -drawn(*ranges[1])) if kind.asymmetric else (-vmax, -amax)
     start = rng.uniform(-1, 1, shape) if kind.wide else rng.uniform(-3, 3, shape)

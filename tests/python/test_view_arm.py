@@ -180,6 +180,11 @@ def test_stretches_name_joint_and_kind() -> None:
     assert rows[-1]["to"] == pytest.approx(2.0)
 
 
+def test_a_limit_without_a_joint_is_given_the_one_that_uses_most_of_it() -> None:
+    rows = motion_of(traj(grid=traj()["grid"] | {"active": ["acceleration"] * 41}))["stretches"]
+    assert [(row["kind"], row["joint"]) for row in rows] == [("acceleration", 0)]
+
+
 def test_ties_do_not_flicker() -> None:
     names = ["acceleration of joint 1", "speed of joint 2"] * 20 + ["speed of joint 2"]
     rows = motion_of(traj(grid=traj()["grid"] | {"active": names}))["stretches"]

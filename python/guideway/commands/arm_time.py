@@ -233,8 +233,8 @@ def summary(record: dict[str, Any]) -> str:
     lines.append(f"path         {record['path']['length']:.4f} rad{detail}")
     lines.append("limits       " + "; ".join(f"{name} {_numbers(value)}" for name, value in record["limits"].items()))
     lines.append(f"duration     {record['duration']:.4f} s ({record['report']['method']})")
-    if record["report"].get("price"):
-        lines.append("price        " + ", ".join(f"{name} {value:+.4f} s" for name, value in _prices(record["report"]["price"])))
+    if prices := _prices(record):
+        lines.append("price        " + ", ".join(f"{name} {value:+.4f} s" for name, value in prices[:6]))
     used = ", ".join(f"{check['name']} {100 * check['ratio']:.2f} %" for check in certificate["checks"] if "ratio" in check)
     lines.append(f"used         {used}")
     if record["grid"]["active"]:
@@ -254,8 +254,10 @@ def _named(constraint: str, joints: list[str]) -> str:
     return f"{what} of {joints[int(number) - 1]}" if number.isdigit() and 0 < int(number) <= len(joints) else constraint
 
 
-def _prices(price: Any) -> list[tuple[str, float]]:
-    return [(name, value) for name, value in price.items() if isinstance(value, int | float)] if isinstance(price, dict) else []
+def _prices(record: dict[str, Any]) -> list[tuple[str, float]]:
+    """What each bound of jerk or torque rate costs, the dearest first, s."""
+    rows = [(_named(name, record["joints"]), value) for name, value in record["report"].get("price") or [] if value > 0]
+    return sorted(rows, key=lambda row: -row[1])
 
 
 def _near(collision: dict[str, Any]) -> str:

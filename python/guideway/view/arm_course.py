@@ -173,7 +173,10 @@ def stretches(record: Mapping[str, Any], samples: Mapping[str, Any]) -> list[dic
     joints = [str(name) for name in listed(record.get("joints"))]
     t, at = np.asarray(samples.get("t") or [], float), np.asarray(samples.get("s") or [], float)
     timed = len(t) > 1 and len(at) == len(t)
-    names = _steady(names, _shares(record, samples, joints, np.interp(s, at, t)) if timed else {})
+    if timed:
+        moments = np.interp(s, at, t)
+        names = _owned(names, record, samples, moments)
+        names = _steady(names, _reached(names, record, samples, moments))
     starts = [0, *(i for i in range(1, len(s) - 1) if names[i] != names[i - 1])]
     found: list[dict[str, Any]] = []
     for i, after in zip(starts, [*starts[1:], len(s) - 1], strict=True):
@@ -194,19 +197,42 @@ def _steady(names: Sequence[str | None], reached: Mapping[str, NDArray[np.bool_]
     return found
 
 
-def _shares(record: Mapping[str, Any], samples: Mapping[str, Any], joints: Sequence[str], moments: Floats) -> dict[str, NDArray[np.bool_]]:
-    """By name of an active constraint, whether its limit is reached at each of the moments (s)."""
-    limits = record.get("limits")
+LIMITED = {"speed": "qd", "acceleration": "qdd", "deceleration": "qdd", "torque": "tau", "jerk": "qddd"}
+"""Kinds of limits of joints, and the samples that they bound."""
+
+
+def _shares(kind: str, record: Mapping[str, Any], samples: Mapping[str, Any], moments: Floats) -> Floats | None:
+    """Shares (joints, n) of a kind of limit that joints use at moments (s); None where they are not known."""
+    limits, key = record.get("limits"), LIMITED.get(kind)
+    values = matrix(samples.get(key)) if key is not None else np.zeros((0, 0))
+    most = vector(np.atleast_1d((limits if isinstance(limits, Mapping) else {}).get(kind) or []).tolist())
+    if not values.size or len(most) not in (1, len(values)):
+        return None
     t = np.asarray(samples["t"], float)
+    return np.stack([np.interp(moments, t, np.abs(row)) for row in values / most.reshape(-1, 1)])
+
+
+def _owned(names: Sequence[str | None], record: Mapping[str, Any], samples: Mapping[str, Any], moments: Floats) -> list[str | None]:
+    """Names of active constraints; those of a kind of limit alone ("jerk") get the joint that uses most of its limit there."""
+    joints, found = [str(name) for name in listed(record.get("joints"))], list(names)
+    for kind in {name for name in names if name in LIMITED}:
+        shares = _shares(kind, record, samples, moments)
+        if shares is not None and len(shares) == len(joints):
+            first = shares.argmax(axis=0)
+            found = [f"{kind} of {joints[first[i]]}" if name == kind else name for i, name in enumerate(found)]
+    return found
+
+
+def _reached(names: Sequence[str | None], record: Mapping[str, Any], samples: Mapping[str, Any], moments: Floats) -> dict[str, NDArray[np.bool_]]:
+    """By name of an active constraint, whether its limit is reached at each moment (s), or as nearly as any of the kind that is named there."""
+    joints = [str(name) for name in listed(record.get("joints"))]
     found: dict[str, NDArray[np.bool_]] = {}
-    for text in {name for name in grid_of(record)[3] if name is not None}:
+    for text in {name for name in names if name is not None}:
         kind, joint = named(text, joints).values()
-        key = {"speed": "qd", "acceleration": "qdd", "deceleration": "qdd", "torque": "tau", "jerk": "qddd"}.get(kind or "")
-        most = vector(np.atleast_1d((limits if isinstance(limits, Mapping) else {}).get(kind) or []).tolist())
-        if key is None or joint is None or not listed(samples.get(key)) or not len(most):
-            continue
-        share = np.abs(np.asarray(samples[key][joint], float)) / most[min(joint, len(most) - 1)]
-        found[text] = np.interp(moments, t, share) > REACHED
+        shares = _shares(kind or "", record, samples, moments)
+        if shares is not None and joint is not None:
+            alike = np.array([named(name, joints)["kind"] == kind for name in names])
+            found[text] = (shares[joint] > REACHED) | (alike & (shares[joint] >= REACHED * shares.max(axis=0)))
     return found
 
 

@@ -201,7 +201,7 @@ function robotTable(motion) {
 
 const SOLVER = {
   points: "Points tried", refinements: "Rounds that refined the grid", tightenings: "Rounds that tightened limits", first_excess: "Excess between points at first, share of the limit",
-  excess: "Excess between points at last", slowed: "Slowed down as a whole to", seconds: "Computing time",
+  excess: "Excess between points at last", slowed: "Slowed down as a whole to", seconds: "Computing time", steps: "Steps to limited jerk", jerk_tightenings: "Rounds that tightened jerk", jerk_slowed: "Slowed down at one place at most by",
 };
 
 function methodTable(motion) {

@@ -101,9 +101,9 @@ function makeScene(host, solid, over, scene, link) {
   const restyle = () => {
     if (made) [made.floor, made.path, ...made.meshes].forEach(renderer.drop);
     made = null;
-    if (!renderer || !motion) return ask();
+    if (!renderer || !motion) return draw();
     made = { meshes: motion.parts.map(renderer.mesh), floor: renderer.lines(floorLines()), path: renderer.lines(pathLines()) };
-    ask();
+    return draw(); // at once: printing does not wait for a frame
   };
 
   const floorLines = () => {

@@ -1,0 +1,111 @@
+"""Tables of velocity self-learning from the runs' records."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import tables
+
+Row = dict[str, Any]
+
+
+def grouped(rows: list[Row], *names: str) -> dict[tuple[Any, ...], list[Row]]:
+    found: dict[tuple[Any, ...], list[Row]] = defaultdict(list)
+    for row in rows:
+        found[tuple(str(row["key"].get(name, "")) for name in names)].append(row)
+    return found
+
+
+def spread(values: list[float], digits: int = 3) -> str:
+    """Median and range."""
+    low, middle, high = np.min(values), np.median(values), np.max(values)
+    return f"{middle:.{digits}f}" if high - low < 0.5 * 10**-digits else f"{middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f})"
+
+
+def methods(rows: list[Row]) -> str:
+    lines = []
+    for (payload, learner), runs in grouped(rows, "payload", "learner").items():
+        ended = [row for row in runs if "error" not in row]
+        if not ended:
+            lines.append((payload, f"`{learner}`", "-", runs[0]["error"][:60], "", ""))
+            continue
+        last = [row["rows"][-1] for row in ended]
+        cells = (spread([row["count"] for row in ended], 0), spread([r[0] for r in last]), spread([100 * r[1] for r in last], 1))
+        lines.append((payload, f"`{learner}`", *cells, spread([r[2] for r in last])))
+    head = ("payload kg", "learner", "trials", "T/T* of the last", "true violation % of it", "time over limit s")
+    return tables.markdown(head, lines) + "\nNoise 0.5 and 0.15 N m; violations below 0 are inside the limits. `rl` was stopped after 500 trials.\n"
+
+
+def source(rows: list[Row]) -> str:
+    lines = []
+    for (payload, settings, noise), runs in grouped(rows, "payload", "settings", "noise").items():
+        ended = [row for row in runs if "error" not in row]
+        last = [row["rows"][-1] for row in ended]
+        feasible = sum(row["finished"] and row["count"] < 40 and r[1] <= 0 for row, r in zip(ended, last, strict=True))
+        given = runs[0]["key"]["settings"]
+        cells = (payload, noise or "0.5", given["segments"], given["step"], given["reading"], f"{feasible} of {len(runs)}")
+        ratios = (spread([r["rows"][0][0] for r in ended]), spread([r[0] for r in last]), spread([100 * r[1] for r in last], 1))
+        lines.append((*cells, spread([row["count"] for row in ended], 0), *ratios))
+    head = ("payload kg", "noise", "c", "d", "reading", "feasible", "trials", "T/T* at the start", "at the end", "true violation % at the end")
+    return tables.markdown(head, lines) + "\nWithout noise the margin is 0, with noise 3 %.\n"
+
+
+def targets(rows: list[Row]) -> str:
+    lines = []
+    for (payload, noise), runs in grouped(rows, "payload", "noise").items():
+        all_ = np.array([row["rows"] for row in runs], float)
+        ratio, true = all_[:, :, 0], all_[:, :, 1]
+        met = (f"{(ratio[:, 3] <= 1.05).sum()}", f"{(ratio[:, 5] <= 1.03).sum()}", f"{(true[:, 2:] <= 0.01).all(1).sum()}")
+        trials = tuple(spread(ratio[:, k].tolist()) for k in (1, 3, 5))
+        lines.append((payload, noise, len(runs), *trials, *met, f"{100 * true[:, 1:].max():.2f}", f"{all_[:, :, 6].max():.3f}"))
+    head = ("payload kg", "noise N m", "seeds", "T/T* trial 2", "trial 4", "trial 6", "<= 1.05 by 4", "<= 1.03 by 6", "true <= 1 % from trial 3")
+    return tables.markdown((*head, "largest true violation %, trials 2 to 6", "largest lower bound / T*"), lines)
+
+
+def random(rows: list[Row]) -> str:
+    used = [row for row in rows if not row.get("skipped") and "error" not in row]
+    refused, errors = sum(bool(row.get("skipped")) for row in rows), [row for row in rows if "error" in row]
+    lines = []
+    for full in (False, True):
+        some = [row for row in used if row["full"] is full]
+        if not some:
+            continue
+        all_ = np.array([[[float(v) for v in trial] for trial in row["rows"]] for row in some])
+        beyond = int((all_[:, 1:, 1] > 0.01).sum())
+        count = all_[:, 1:, 1].size
+        quantiles = ", ".join(f"{q:.3f}" for q in np.quantile(all_[:, -1, 0], (0.5, 0.9, 1.0)))
+        lines.append(
+            ("full" if full else "reference", len(some), count, beyond, f"{100 * all_[:, 1:, 1].max():.2f}", quantiles, f"{all_[:, :, 4].max():.3f}")
+        )
+    head = ("friction", "plants", "trials 2 to 6", "beyond 1 % of a limit", "largest true violation %", "T/T* of trial 6: median, 90 %, worst")
+    text = tables.markdown((*head, "largest lower bound / T*"), lines)
+    return text + f"\n{len(rows)} plants were drawn; {refused} of them cannot even stand still on the path, {len(errors)} ended in an error.\n"
+
+
+def mujoco(rows: list[Row]) -> str:
+    lines = []
+    for (payload, friction), runs in grouped(rows, "payload", "friction").items():
+        good = [row for row in runs if "error" not in row]
+        if not good:
+            lines.append((payload, friction, len(runs), runs[0]["error"][:80], "", "", "", ""))
+            continue
+        all_ = np.array([row["rows"] for row in good], float)
+        cells = [spread(all_[:, k, 0].tolist()) for k in (1, 3, 5)]
+        lines.append(
+            (
+                payload,
+                friction,
+                len(runs),
+                *cells,
+                f"{100 * all_[:, 1, 1].max():.1f}, {100 * all_[:, 2:, 1].max():.1f}",
+                f"{all_[:, 2:, 2].max():.3f}",
+            )
+        )
+    head = ("payload kg", "friction", "seeds", "T/T* trial 2", "trial 4", "trial 6", "largest true violation %, trial 2, trials 3 to 6")
+    return tables.markdown((*head, "time over limit s, trials 3 to 6"), lines) + "\nPayloads of 3 and 5 kg sit at (0.03, 0.02, 0.08) m.\n"
+
+
+TEXTS: dict[str, Callable[[list[Row]], str]] = {"methods": methods, "source": source, "targets": targets, "random": random, "mujoco": mujoco}

@@ -13,9 +13,8 @@ limits = gw.arm.JointLimits(acceleration=10.0, torque=gw.arm.STAR_TORQUE)
 
 def tell(trial: gw.arm.Trial) -> None:
     above = 100 * (trial.duration / trial.lower_bound - 1) if trial.lower_bound else float("nan")
-    print(
-        f"trial {trial.number}: {trial.duration:.3f} s, at most {above:.1f} % above the optimum, torque {100 * (1 + trial.measured):.1f} % of its limit"
-    )
+    used = 100 * (1 + trial.measured)
+    print(f"trial {trial.number}: {trial.duration:.3f} s, at most {above:.1f} % above the optimum, torque {used:.1f} % of its limit")
 
 
 found = gw.arm.learn(path, limits, arm, plant="ideal", simulated={"payload": 5.0, "noise": 0.5, "seed": 1}, trials=4, observe=tell)

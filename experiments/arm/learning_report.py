@@ -41,7 +41,7 @@ def methods(rows: list[Row]) -> str:
 
 def source(rows: list[Row]) -> str:
     lines = []
-    for (payload, settings, noise), runs in grouped(rows, "payload", "settings", "noise").items():
+    for (payload, _, noise), runs in grouped(rows, "payload", "settings", "noise").items():
         ended = [row for row in runs if "error" not in row]
         last = [row["rows"][-1] for row in ended]
         feasible = sum(row["finished"] and row["count"] < 40 and r[1] <= 0 for row, r in zip(ended, last, strict=True))

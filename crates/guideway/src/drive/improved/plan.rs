@@ -38,6 +38,8 @@ const EARLY: f64 = 0.3;
 /// Stops in predictions begin so much later (s) and keep so much more distance (m) than those that are guaranteed.
 const SLOW: f64 = 0.05;
 const SPARE: f64 = 0.04;
+/// Margin of the search for a way out where all plans with full margins meet something, m.
+const TIGHT: f64 = 0.02;
 /// So near to the path the robot is on it, m.
 const ON_IT: f64 = 0.3;
 /// What places cost that cannot be reached by the cost-to-go, more than the present one, m.
@@ -241,8 +243,24 @@ impl Planning {
             return decision;
         }
         let firsts = self.firsts();
-        let plans = self.search(&predictor, start, &firsts, guide);
-        self.pick((&plans, &firsts), &predictor, &guard, (&start, seen))
+        let plans = self.search(&predictor, start, (&firsts, false), guide);
+        if let Some(decision) = self.pick((&plans, &firsts, true), &predictor, &guard, (&start, seen)) {
+            return decision;
+        }
+        self.escape(guide, &world, (predictor, &guard), (start, seen))
+    }
+
+    /// Where all plans with full margins meet something: the best way out with small ones.
+    fn escape(&mut self, guide: &Guide, world: &World, (before, guard): (Predictor, &Guard), (start, seen): (Sim, &Observation)) -> Decision {
+        let (robot, body) = (before.robot, &self.body.clone());
+        let tight = Margins { still: self.margins.still.min(TIGHT), moving: TIGHT, growth: 0.0 };
+        let field = Field::new(world, robot, body, seen, (tight, self.p.horizon + PARK));
+        let stop = [before.stop[0] - SLOW, self.p.error + TIGHT];
+        let predictor = Predictor { field: &field, stop, ..before };
+        let firsts = self.escapes(&start, 0);
+        let plans = self.search(&predictor, start, (&firsts, true), guide);
+        let decision = self.pick((&plans, &firsts, false), &predictor, guard, (&start, seen));
+        decision.unwrap_or_else(|| Decision::Stop(why(None, seen)))
     }
 
     /// Along the path, where nothing is near on the way: no search is needed.
@@ -267,14 +285,14 @@ impl Planning {
         Some(Decision::Drive(step.command))
     }
 
-    /// The best plan whose first command is safe.
-    fn pick(&mut self, (plans, firsts): (&Plans, &[Way]), predictor: &Predictor, guard: &Guard, (start, seen): (&Sim, &Observation)) -> Decision {
+    /// The best plan whose first command is safe; where only `good` ones count, `None` if all that are meet something.
+    fn pick(&mut self, (plans, firsts, good): (&Plans, &[Way], bool), predictor: &Predictor, guard: &Guard, (start, seen): (&Sim, &Observation)) -> Option<Decision> {
         self.sketch.fan = plans.best.iter().take(FAN).map(|i| plans.line(*i)).collect();
         self.sketch.chosen.clear();
         self.sketch.discs.clear();
         let planned = plans.best.iter().map(|i| plans.node(*i)).find(|n| n.first == 0).and_then(|n| n.met);
         let mut refused = None;
-        for &i in &plans.best {
+        for &i in plans.best.iter().filter(|i| !(good && plans.node(**i).lost)) {
             let way = firsts[plans.node(i).first];
             let step = self.asked(predictor, way, start, seen);
             match self.allowed(guard, step) {
@@ -285,16 +303,20 @@ impl Planning {
                     self.last.side = Some(way.side());
                     if step.stands() {
                         self.held = None;
-                        return Decision::Stop(why(refused.or(planned).or(plans.node(i).met), seen));
+                        return Some(Decision::Stop(why(refused.or(planned).or(plans.node(i).met), seen)));
                     }
                     self.held = Some((seen.time + self.p.period, way));
-                    return Decision::Drive(step.command);
+                    return Some(Decision::Drive(step.command));
                 }
             }
         }
         self.last.side = None;
-        self.eased(Decision::Stop(unsafe_stop(refused, seen)), guard, seen)
+        if good {
+            return None;
+        }
+        Some(self.eased(Decision::Stop(unsafe_stop(refused, seen)), guard, seen))
     }
+}
 
     /// Is a command safe, with the full brake and, on a ramp, with the soft one? The time until the base stands after it, s.
     fn allowed(&self, guard: &Guard, step: Move) -> Result<f64, Met> {
@@ -362,12 +384,16 @@ impl Planning {
         }
     }
 
-    fn search(&self, predictor: &Predictor, start: Sim, firsts: &[Way], guide: &Guide) -> Plans {
+    fn search(&self, predictor: &Predictor, start: Sim, (firsts, escape): (&[Way], bool), guide: &Guide) -> Plans {
         let levels = LEVELS.map(|share| share * self.p.horizon);
         let search = Search { predictor, levels: &levels, beam: self.p.beam as usize, park: PARK };
         let commands: Vec<(f64, f64)> = firsts.iter().map(|way| predictor.wanted(*way, &start)).collect();
         let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| {
-            if level == 0 { list.extend_from_slice(firsts) } else { self.later(&node.sim, list) }
+            match level {
+                0 => list.extend_from_slice(firsts),
+                _ if escape => list.extend(self.escapes(&node.sim, level)),
+                _ => self.later(&node.sim, list),
+            }
         };
         let to_go = guide.to_go.as_deref().map(|field| (field, field.at([start.pose[0], start.pose[1]]))).filter(|known| known.1.is_finite());
         let left = |sim: &Sim| left(sim, predictor.local, to_go);
@@ -407,6 +433,21 @@ impl Planning {
         if self.p.reverse > 0.0 && sim.v < 0.1 {
             list.push(Way::Arc { v: -self.p.reverse.min(top), w: 0.0 });
         }
+    }
+
+    /// What may be done to get out of the way, from rest or slowly.
+    fn escapes(&self, sim: &Sim, level: usize) -> Vec<Way> {
+        let (top, rate) = (self.setup.robot.speed, self.setup.robot.turn_rate);
+        let back = if self.p.reverse > 0.0 { -1.0 } else { 0.0 };
+        let mut all = vec![Way::Arc { v: 0.0, w: 0.0 }];
+        let turns: &[f64] = if level == 0 { &[-0.9, -0.35, 0.0, 0.35, 0.9] } else { &[-0.5, 0.0, 0.5] };
+        let speeds = [0.1, 0.2, 0.4, 0.8].into_iter().flat_map(|v| [v, back * v]).filter(|v| *v != 0.0);
+        all.extend(speeds.flat_map(|v| turns.iter().map(move |w| Way::Arc { v: v * top, w: w * rate })));
+        all.extend([-0.9, 0.9].map(|w| Way::Arc { v: 0.0, w: w * rate }));
+        if level > 0 {
+            all.extend([-1.0, 1.0].map(|turn| Way::Heading { yaw: wrap(sim.pose[2] + turn * 1.5), v: 0.4 * top }));
+        }
+        all
     }
 
     /// What the critics see of a plan.

@@ -15,6 +15,7 @@ pub(super) struct Weights {
     pub deviation: f64,
     pub near: f64,
     pub exposed: f64,
+    pub turned: f64,
     pub change: f64,
     pub keep_on: f64,
 }
@@ -42,6 +43,8 @@ pub(super) struct Candidate {
     pub close: f64,
     /// Integral of the exposure to movers (0 to 1) where the robot would stand if it stopped, s.
     pub exposed: f64,
+    /// The same to movers that turn around when it stops, s.
+    pub turned: f64,
     /// Change of the command, m/s.
     pub change: f64,
     /// Keeps to the side chosen before.
@@ -52,7 +55,7 @@ pub(super) struct Candidate {
 pub(super) type Critic = (&'static str, fn(&Weights) -> f64, fn(&Candidate) -> f64);
 
 /// The first four are those of the sources and never negative; the others are ours.
-pub(super) const CRITICS: [Critic; 10] = [
+pub(super) const CRITICS: [Critic; 11] = [
     ("heading", |w| w.heading, |c| PI - wrap((c.target[1] - c.end[1]).atan2(c.target[0] - c.end[0]) - c.end[2]).abs()),
     ("dist", |w| w.dist, |c| c.dist),
     ("velocity", |w| w.velocity, |c| c.v.max(0.0)),
@@ -61,6 +64,7 @@ pub(super) const CRITICS: [Critic; 10] = [
     ("deviation", |w| w.deviation, |c| -c.aside),
     ("near", |w| w.near, |c| -c.close),
     ("exposed", |w| w.exposed, |c| -c.exposed),
+    ("turned", |w| w.turned, |c| -c.turned),
     ("change", |w| w.change, |c| -c.change),
     ("keep_on", |w| w.keep_on, |c| f64::from(u8::from(c.kept))),
 ];

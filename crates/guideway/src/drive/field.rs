@@ -189,6 +189,21 @@ impl<'a> Field<'a> {
         self.crowd.pass(discs(self.body, pose), span)
     }
 
+    /// The time after `t` s at which movers would meet a robot that stays at `pose`, s (infinite: never): if they go on, and if they turn around at `t`.
+    pub fn met(&self, pose: [f64; 3], t: f64) -> [f64; 2] {
+        let mut first = [f64::INFINITY; 2];
+        for (p, r) in discs(self.body, pose) {
+            for near in &self.near {
+                let (at, v) = (near.track.position, near.track.velocity);
+                let away = [p[0] - at[0] - v[0] * t, p[1] - at[1] - v[1] * t];
+                let keep = near.radius + r + near.keep + near.growth * t;
+                let times = [v, [-v[0], -v[1]]].map(|v| contact(away, v, keep));
+                first = [first[0].min(times[0]), first[1].min(times[1])];
+            }
+        }
+        first
+    }
+
     /// Distance of the discs at `pose` to the nearest obstacle, movers `t` s from now at constant velocity, m, capped.
     pub fn nearest(&self, pose: [f64; 3], t: f64, cap: f64) -> f64 {
         let disc = |(c, r): (Point, f64)| {
@@ -267,6 +282,18 @@ impl<'a> Field<'a> {
         }
         None
     }
+}
+
+/// When a point that moves at `v` comes within `keep` of one that is `away` from it, s; infinite: never.
+fn contact(away: Point, v: Point, keep: f64) -> f64 {
+    let (toward, gap) = (away[0] * v[0] + away[1] * v[1], away[0] * away[0] + away[1] * away[1] - keep * keep);
+    if gap <= 0.0 {
+        return 0.0;
+    }
+    let speed = v[0] * v[0] + v[1] * v[1];
+    let root = toward * toward - speed * gap;
+    // The nearer root, without cancellation.
+    if toward <= 0.0 || root < 0.0 { f64::INFINITY } else { gap / (toward + root.sqrt()) }
 }
 
 /// Centres (map frame) and radii of the discs that cover the body at `pose`.

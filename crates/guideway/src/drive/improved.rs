@@ -34,6 +34,8 @@ pub struct ImprovedDwa {
     pub near: f64,
     /// Weight of standing in the way of movers over time, 1/s.
     pub exposed: f64,
+    /// Weight of standing in the way of movers that turn around, over time, 1/s.
+    pub turned: f64,
     /// Weight of a change of the command, s/m.
     pub change: f64,
     /// Weight of keeping to the side chosen before.
@@ -88,6 +90,7 @@ impl Default for ImprovedDwa {
             deviation: 0.15,
             near: 0.6,
             exposed: 1.0,
+            turned: 1.0,
             change: 0.1,
             keep_on: 0.03,
             period: 0.05,
@@ -125,6 +128,7 @@ impl ImprovedDwa {
             deviation: 0.0,
             near: 0.0,
             exposed: 0.0,
+            turned: 0.0,
             change: 0.0,
             keep_on: 0.0,
             period: 0.1,
@@ -149,6 +153,7 @@ impl ImprovedDwa {
             ("deviation", self.deviation),
             ("near", self.near),
             ("exposed", self.exposed),
+            ("turned", self.turned),
             ("change", self.change),
             ("keep_on", self.keep_on),
             ("safety", self.safety.unwrap_or(0.0)),
@@ -188,6 +193,7 @@ impl ImprovedDwa {
             deviation: p.deviation,
             near: p.near,
             exposed: p.exposed,
+            turned: p.turned,
             change: p.change,
             keep_on: p.keep_on,
         }

@@ -28,8 +28,8 @@ pub(super) struct Node {
     /// Integrals so far, as in the forecast.
     pub aside: f64,
     pub near: f64,
-    /// Integral of the exposure (0 to 1) to movers in the places where its levels end, s.
-    pub exposed: f64,
+    /// Integrals of the exposure (0 to 1) to movers that go on and that turn around, where it would stand if it stopped at the ends of its levels, s.
+    pub exposed: [f64; 2],
     /// Integral of the distance left, m s.
     pub left: f64,
     /// Index of its first manoeuvre.
@@ -88,7 +88,7 @@ impl<'a> Search<'a> {
         score: &dyn Fn(&Node) -> f64,
     ) -> Plans {
         let root =
-            Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
+            Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: [0.0; 2], left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
         let (mut nodes, mut open, mut ended) = (Vec::with_capacity(MOST), vec![0], Vec::new());
         nodes.push(root);
         let (mut list, mut part) = (Vec::new(), Crowd::<'a>::new(Vec::new()));
@@ -107,7 +107,8 @@ impl<'a> Search<'a> {
                         next.score = LOST + SECOND * next.t - next.near;
                     } else {
                         let last = if level + 1 == self.levels.len() { self.park } else { 0.0 };
-                        next.exposed += self.predictor.exposure(next.sim.pose, next.t) * (until - node.t + last);
+                        let exposure = self.predictor.exposure(&next.sim, next.t);
+                        next.exposed = [0, 1].map(|k| next.exposed[k] + exposure[k] * (until - node.t + last));
                         next.left += (until - node.t) * left(&next.sim);
                         next.score = score(&next);
                     }

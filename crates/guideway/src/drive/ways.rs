@@ -213,20 +213,14 @@ impl<'a> Predictor<'a> {
         free(0.75, 0.5 * whole) && free(1.0, whole)
     }
 
-    /// How soon a robot that stays at `pose` from `from` s on would be met: 0 never, 1 at once.
-    pub fn exposure(&self, pose: [f64; 3], from: f64) -> f64 {
-        if self.field.undisturbed(pose, [from, from + EXPOSED]) {
-            return 0.0;
-        }
-        let mut t = from;
-        while t < from + EXPOSED {
-            let around = self.field.movers(pose, t, 0.0);
-            if around.room <= 0.0 {
-                return 1.0 - (t - from) / EXPOSED;
-            }
-            t += around.safe.max(0.1);
-        }
-        0.0
+    /// How soon a robot that begins to stop at `sim`, `t` s from now, would be met where it then stands (0 never, 1 at once): by movers that go on, and by movers
+    /// that turn around at `t`.
+    pub fn exposure(&self, sim: &Sim, t: f64) -> [f64; 2] {
+        let brake = sim.v.abs() / self.robot.deceleration;
+        let far = 0.5 * sim.v * (self.stop[0] + brake);
+        let [x, y, yaw] = sim.pose;
+        let pose = [x + far * yaw.cos(), y + far * yaw.sin(), yaw];
+        self.field.met(pose, t).map(|after| (1.0 - after / EXPOSED).max(0.0))
     }
 }
 

@@ -272,8 +272,8 @@ impl Planning {
             return None;
         }
         let on = predictor.run(way, start, [0.0, self.p.horizon], predictor.field.crowd().0);
-        let exposed = predictor.exposure(start.pose, 0.0) + predictor.exposure(on.end.pose, self.p.horizon);
-        if exposed > 0.0 || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
+        let exposed = [predictor.exposure(start, 0.0), predictor.exposure(&on.end, self.p.horizon)].iter().flatten().any(|e| *e > 0.0);
+        if exposed || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;
         }
         let step = self.asked(predictor, way, start, seen);
@@ -466,7 +466,8 @@ impl Planning {
             left: (left + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
             aside: node.aside,
             close: node.near,
-            exposed: node.exposed,
+            exposed: node.exposed[0],
+            turned: node.exposed[1],
             change: (v - self.last.command.v).abs() + 0.3 * (w - self.last.command.w).abs(),
             kept: self.last.side == Some(way.side()),
         }

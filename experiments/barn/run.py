@@ -32,6 +32,7 @@ Row = dict[str, Any]
 
 LIMIT = 100.0
 JUMP = 1.0  # s after a jump of an obstacle within which a hit is listed apart
+MOMENT = 1e-4  # s, that the time of a hit may be off
 FASTEST = 2.0  # m/s, of the optimal time
 
 
@@ -120,7 +121,7 @@ def after_jump(scene: Scene, hit: Row) -> bool:
         return False
     mover = scene.movers[int(number)]
     (_, *first), (period, *last) = mover.track[0], mover.track[-1]
-    return mover.loop == "cycle" and math.dist(first, last) > 0.05 and hit["t"] >= period and (hit["t"] + mover.phase) % period <= JUMP
+    return mover.loop == "cycle" and math.dist(first, last) > 0.05 and hit["t"] >= period and (hit["t"] + mover.phase + MOMENT) % period <= JUMP
 
 
 def read(path: Path) -> list[Row]:

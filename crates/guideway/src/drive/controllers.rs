@@ -81,6 +81,7 @@ pub const CONTROLLERS: &[ControllerEntry] = &[
             ("deviation", "weight of the distance from the path over time, 1/(m s)"),
             ("near", "weight of nearness to movers over time, 1/s"),
             ("exposed", "weight of standing in the way of movers over time, 1/s"),
+            ("turned", "weight of standing in the way of movers that turn around, over time, 1/s"),
             ("change", "weight of a change of the command, s/m"),
             ("keep_on", "weight of keeping to the side chosen before"),
             ("period", "control period, s: the window of the source, and how long a command may act in the guarantee"),

@@ -16,6 +16,10 @@ use crate::error::PlanError;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Distance to the end of the path that counts as there, and beside it, m; farther beside it a new plan is asked for.
+const THERE: f64 = 0.03;
+const BESIDE: f64 = 0.1;
+
 /// Parameters of the dynamic window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -117,8 +121,9 @@ impl Progress {
         let p = [seen.pose[0], seen.pose[1]];
         self.s = course.project(p, self.s, self.s + 0.5).0;
         let end = course.end().pose;
-        let left = (end[0] - p[0]).hypot(end[1] - p[1]).max(course.length() - self.s - 0.5);
-        if left < 0.03 {
+        // Along the path, not to its last point: that may be passed at a distance, and would be circled.
+        let left = course.length() - self.s;
+        if left < THERE && (end[0] - p[0]).hypot(end[1] - p[1]) < BESIDE {
             return Err(Decision::Stop(Reason::new("at the end of the path")));
         }
         if self.best.1.is_nan() || self.s > self.best.0 + 0.1 {
@@ -176,7 +181,7 @@ impl Window {
             let dist = contact.map_or(cap, |(t, _)| (v * t).min(cap));
             let dist = if v == 0.0 && contact.is_none_or(|c| c.1 != Met::Static) { cap } else { dist };
             let free = (dist - v * self.p.reaction).max(0.0);
-            if admissible(robot, [v, w], free) && stops(robot, v, [seen.v, left, self.p.reaction]) {
+            if admissible(robot, [v, w], free) && stops(robot, v, [seen.v, left, self.p.reaction, self.p.period]) {
                 open.push(Candidate { v, w, dist, end: arc(seen.pose, v, w, self.p.period), target, ..Candidate::default() });
             }
         }
@@ -193,9 +198,9 @@ pub(super) fn admissible(robot: &Robot, [v, w]: [f64; 2], free: f64) -> bool {
     v <= (2.0 * free * robot.deceleration).sqrt() && (v == 0.0 || w.abs() <= (2.0 * angle * robot.turn_acceleration).sqrt())
 }
 
-/// Can it stop at the end of the path, `left` m ahead, after a `reaction` time (s), or is it slower than now?
-pub(super) fn stops(robot: &Robot, v: f64, [now, left, reaction]: [f64; 3]) -> bool {
-    v == 0.0 || v <= now || left + 0.01 >= robot.braking_distance(v) + v * reaction
+/// Can it stop at the end of the path, `left` m ahead, after a `reaction` time (s), or does it brake as hard as it can within a `period` (s)?
+pub(super) fn stops(robot: &Robot, v: f64, [now, left, reaction, period]: [f64; 4]) -> bool {
+    v <= now - 0.99 * robot.deceleration * period || v == 0.0 || left + 0.01 >= robot.braking_distance(v) + v * reaction
 }
 
 /// The speeds that can be reached within a `period` (s), in a fixed order; the lowest speed and turn rate zero are always among them.

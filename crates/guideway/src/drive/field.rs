@@ -302,3 +302,18 @@ fn discs(body: &Body, pose: [f64; 3]) -> impl Iterator<Item = (Point, f64)> + Cl
     let (sin, cos) = if body.round() { (0.0, 1.0) } else { pose[2].sin_cos() };
     body.discs.iter().map(move |(c, r)| ([pose[0] + cos * c[0] - sin * c[1], pose[1] + sin * c[0] + cos * c[1]], *r))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn movers_meet_what_stands_in_their_way_at_the_time_of_contact() {
+        assert!((contact([2.0, 0.0], [0.5, 0.0], 0.5) - 3.0).abs() < 1e-12);
+        assert!((contact([2.0, 0.3], [0.5, 0.0], 0.5) - 3.2).abs() < 1e-12);
+        assert_eq!(contact([2.0, 0.0], [-0.5, 0.0], 0.5), f64::INFINITY);
+        assert_eq!(contact([2.0, 0.6], [0.5, 0.0], 0.5), f64::INFINITY);
+        assert_eq!(contact([2.0, 0.0], [0.0, 0.0], 0.5), f64::INFINITY);
+        assert_eq!(contact([0.2, 0.0], [-0.5, 0.0], 0.5), 0.0);
+    }
+}

@@ -110,3 +110,12 @@ fn the_first_contact_on_an_arc_is_where_geometry_puts_it() {
     assert!(met == Met::Static && (t - 3.3).abs() < 0.011, "{t}");
     assert!(field.contact([1.0, 3.2, 0.0], [1.0, 0.0], 5.0).is_none() && field.contact(seen.pose, [1.0, 1.0], 5.0).is_none());
 }
+
+#[test]
+fn a_window_that_cannot_stop_in_time_brakes_as_hard_as_it_can() {
+    let slow = legs(&[[0.0, 0.0], [8.0, 0.0]], crate::query::Limits { speed: 1.0, acceleration: 0.25, deceleration: 0.25, ..limits() });
+    let robot = Robot::new(crate::world::Footprint::Disc(0.2), &slow.limits).unwrap();
+    // 2 m of braking, 1.6 m left: neither the present speed nor a little less, but all that the brakes give.
+    assert!(!stops(&robot, 1.0, [1.0, 1.6, 0.1, 0.1]) && !stops(&robot, 0.99, [1.0, 1.6, 0.1, 0.1]) && stops(&robot, 0.975, [1.0, 1.6, 0.1, 0.1]));
+    assert!(stops(&robot, 1.0, [1.0, 2.2, 0.1, 0.1]) && stops(&robot, 0.0, [0.01, 0.0, 0.1, 0.1]));
+}

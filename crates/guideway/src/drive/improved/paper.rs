@@ -94,7 +94,7 @@ impl Window {
             }
             let dist = self.nearest(&field, seen.pose, [v, w]);
             let free = self.setup.robot.speed * self.p.horizon;
-            if !(admissible(&self.setup.robot, [v, w], free) && stops(&self.setup.robot, v, [seen.v, left, self.p.period])) {
+            if !(admissible(&self.setup.robot, [v, w], free) && stops(&self.setup.robot, v, [seen.v, left, self.p.period, self.p.period])) {
                 continue;
             }
             let next = arc(seen.pose, v, w, self.p.period);

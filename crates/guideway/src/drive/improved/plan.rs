@@ -286,7 +286,13 @@ impl Planning {
     }
 
     /// The best plan whose first command is safe; where only `good` ones count, `None` if all that are meet something.
-    fn pick(&mut self, (plans, firsts, good): (&Plans, &[Way], bool), predictor: &Predictor, guard: &Guard, (start, seen): (&Sim, &Observation)) -> Option<Decision> {
+    fn pick(
+        &mut self,
+        (plans, firsts, good): (&Plans, &[Way], bool),
+        predictor: &Predictor,
+        guard: &Guard,
+        (start, seen): (&Sim, &Observation),
+    ) -> Option<Decision> {
         self.sketch.fan = plans.best.iter().take(FAN).map(|i| plans.line(*i)).collect();
         self.sketch.chosen.clear();
         self.sketch.discs.clear();
@@ -388,12 +394,10 @@ impl Planning {
         let levels = LEVELS.map(|share| share * self.p.horizon);
         let search = Search { predictor, levels: &levels, beam: self.p.beam as usize, park: PARK };
         let commands: Vec<(f64, f64)> = firsts.iter().map(|way| predictor.wanted(*way, &start)).collect();
-        let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| {
-            match level {
-                0 => list.extend_from_slice(firsts),
-                _ if escape => list.extend(self.escapes(&node.sim, level)),
-                _ => self.later(&node.sim, list),
-            }
+        let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| match level {
+            0 => list.extend_from_slice(firsts),
+            _ if escape => list.extend(self.escapes(&node.sim, level)),
+            _ => self.later(&node.sim, list),
         };
         let to_go = guide.to_go.as_deref().map(|field| (field, field.at([start.pose[0], start.pose[1]]))).filter(|known| known.1.is_finite());
         let left = |sim: &Sim| left(sim, predictor.local, to_go);

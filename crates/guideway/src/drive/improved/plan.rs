@@ -322,7 +322,6 @@ impl Planning {
         }
         Some(self.eased(Decision::Stop(unsafe_stop(refused, seen)), guard, seen))
     }
-}
 
     /// Is a command safe, with the full brake and, on a ramp, with the soft one? The time until the base stands after it, s.
     fn allowed(&self, guard: &Guard, step: Move) -> Result<f64, Met> {

@@ -19,6 +19,7 @@ from tqdm import tqdm
 import guideway as gw
 
 Row = dict[str, Any]
+DOCS = Path(__file__).parents[2] / "docs" / "experiments.md"
 PAPER = {"preset": "paper"}
 CASES: dict[str, tuple[str, dict[str, Any], str]] = {
     "classic": ("dwa", {"safety": 0.35}, "paper"),
@@ -110,32 +111,60 @@ def wilson(k: int, n: int) -> str:
     return f"{k} of {n} ({100 * (middle - half) / (1 + z * z / n):.1f} to {100 * (middle + half) / (1 + z * z / n):.1f} %)"
 
 
-def report(rows: list[Row]) -> None:
-    """Prints the tables."""
+def mean(values: list[float], digits: int) -> str:
+    """The mean, or a dash where there is none."""
+    return f"{np.mean(values):.{digits}f}" if values else "-"
+
+
+def report(rows: list[Row]) -> str:
+    """The tables."""
     by = {case: {r["seed"]: r for r in rows if r["case"] == case} for case in CASES}
     by = {case: rows for case, rows in by.items() if rows}
-    print("| | arrived | hit while moving | hit while parked | mean time, s | mean deviation after avoidance, m |\n|---|---|---|---|---|---|")
+    lines = ["| | arrived | hit while moving | hit while parked | mean time, s | mean deviation after avoidance, m |", "|---|---|---|---|---|---|"]
     for case, all_ in by.items():
         n, some = len(all_), list(all_.values())
         there = [r["time"] for r in some if r["outcome"] == "arrived"]
         off = [r["deviation"] for r in some if r["deviation"] is not None]
         shares = [wilson(sum(r[k] for r in some), n) for k in ("moving", "parked")]
-        print(f"| {case} | {wilson(len(there), n)} | {shares[0]} | {shares[1]} | {np.mean(there):.1f} | {np.mean(off):.3f} |")
-    both = [
-        (by["improved"][s]["deviation"], by["classic"][s]["deviation"])
-        for s in by.get("improved", {})
-        if s in by.get("classic", {}) and by["improved"][s]["deviation"] is not None and by["classic"][s]["deviation"] is not None
-    ]
-    if both:
-        new, old = np.array(both).T
-        a12 = (np.sum(new[:, None] < old[None]) + 0.5 * np.sum(new[:, None] == old[None])) / len(new) ** 2
-        p = float(np.asarray(stats.wilcoxon(new, old))[1])
-        print(f"\nimproved against classic, {len(both)} scenes: deviation {new.mean():.3f} and {old.mean():.3f} m,", end=" ")
-        print(f"Wilcoxon p = {p:.2g}, A12 = {a12:.3f}")
+        lines.append(f"| {case} | {wilson(len(there), n)} | {shares[0]} | {shares[1]} | {mean(there, 1)} | {mean(off, 3)} |")
+    lines += paired(by.get("improved", {}), by.get("classic", {}))
     way = [r for r in by.get("default", {}).values() if r["way"]]
     if way:
-        print(f"\ndefault, where a way exists: arrived {wilson(sum(r['outcome'] == 'arrived' for r in way), len(way))}")
-        print("not arrived:", [(r["seed"], r["outcome"]) for r in way if r["outcome"] != "arrived"])
+        lines += ["", f"default, where a way exists: arrived {wilson(sum(r['outcome'] == 'arrived' for r in way), len(way))}"]
+        lines += [f"not arrived: {[(r['seed'], r['outcome']) for r in way if r['outcome'] != 'arrived']}"]
+    return "\n".join(lines) + "\n"
+
+
+def paired(new: dict[int, Row], old: dict[int, Row]) -> list[str]:
+    """The two windows on the scenes that both have: deviation (Wilcoxon, A12) and what became of the runs (McNemar, exact)."""
+    lines, seeds = [""], sorted(new.keys() & old.keys())
+    both = [(new[s]["deviation"], old[s]["deviation"]) for s in seeds if new[s]["deviation"] is not None and old[s]["deviation"] is not None]
+    if both:
+        a, b = np.array(both).T
+        a12 = (np.sum(a[:, None] < b[None]) + 0.5 * np.sum(a[:, None] == b[None])) / len(a) ** 2
+        p = float(np.asarray(stats.wilcoxon(a, b))[1])
+        lines += [
+            f"improved against classic, {len(both)} scenes: deviation {a.mean():.3f} and {b.mean():.3f} m, Wilcoxon p = {p:.2g}, A12 = {a12:.3f}",
+            "",
+        ]
+    for name, test in (
+        ("hit", lambda r: r["moving"] or r["parked"]),
+        ("hit while moving", lambda r: r["moving"]),
+        ("arrived", lambda r: r["outcome"] == "arrived"),
+    ):
+        one, other = (sum(test(x[s]) and not test(y[s]) for s in seeds) for x, y in ((new, old), (old, new)))
+        if one + other:
+            p = stats.binomtest(one, one + other).pvalue
+            lines += [f"{name}: only improved {one}, only classic {other} of {len(seeds)} scenes, McNemar p = {p:.2g}", ""]
+    return lines
+
+
+def write_docs(text: str, cases: list[str]) -> None:
+    """Puts the tables into docs/experiments.md."""
+    begin, end = "<!-- begin avoidance -->\n", "<!-- end avoidance -->"
+    head, rest = DOCS.read_text("utf-8").split(begin)
+    made = f"Made by `python experiments/driving/avoidance.py --cases {' '.join(cases)} --docs`.\n\n"
+    DOCS.write_text(head + begin + made + text + end + rest.split(end, 1)[1], "utf-8")
 
 
 def main() -> None:
@@ -145,17 +174,21 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--cases", nargs="*", default=list(CASES))
     parser.add_argument("--out", type=Path, default=Path("avoidance.jsonl"))
+    parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
     given = parser.parse_args()
     lines = given.out.read_text().splitlines() if given.out.exists() else []
     rows: list[Row] = [json.loads(line) for line in lines]
     done = {(r["seed"], r["case"]) for r in rows}
     tasks = [(s, c) for s in range(given.scenes) for c in given.cases if (s, c) not in done]
     with multiprocessing.get_context("spawn").Pool(given.workers) as pool, given.out.open("a") as out:
-        for row in tqdm(pool.imap_unordered(driven, tasks), total=len(tasks)):
+        for row in tqdm(pool.imap_unordered(driven, tasks), total=len(tasks), disable=None):
             out.write(json.dumps(row) + "\n")
             out.flush()
             rows.append(row)
-    report(rows)
+    text = report(rows)
+    print(text)
+    if given.docs:
+        write_docs(text, given.cases)
 
 
 if __name__ == "__main__":

@@ -193,7 +193,7 @@ impl<'a> Field<'a> {
     pub fn met(&self, pose: [f64; 3], t: f64) -> [f64; 2] {
         let mut first = [f64::INFINITY; 2];
         for (p, r) in discs(self.body, pose) {
-            for near in &self.near {
+            for near in self.crowd.near() {
                 let (at, v) = (near.track.position, near.track.velocity);
                 let away = [p[0] - at[0] - v[0] * t, p[1] - at[1] - v[1] * t];
                 let keep = near.radius + r + near.keep + near.growth * t;

@@ -220,8 +220,27 @@ impl<'a> Predictor<'a> {
         let far = 0.5 * sim.v * (self.stop[0] + brake);
         let [x, y, yaw] = sim.pose;
         let pose = [x + far * yaw.cos(), y + far * yaw.sin(), yaw];
+        // A mover that turns around goes back where it came from: one line for both.
+        if self.field.undisturbed(pose, [t - EXPOSED, t + EXPOSED]) {
+            return [0.0; 2];
+        }
         self.field.met(pose, t).map(|after| (1.0 - after / EXPOSED).max(0.0))
     }
+}
+
+/// What may be done to get out of the way, from rest or slowly; backwards only where `reverse` (m/s) is not 0.
+pub(super) fn escapes(robot: &Robot, reverse: f64, sim: &Sim, level: usize) -> Vec<Way> {
+    let (top, rate) = (robot.speed, robot.turn_rate);
+    let back = if reverse > 0.0 { -1.0 } else { 0.0 };
+    let mut all = vec![Way::Arc { v: 0.0, w: 0.0 }];
+    let turns: &[f64] = if level == 0 { &[-0.9, -0.35, 0.0, 0.35, 0.9] } else { &[-0.5, 0.0, 0.5] };
+    let speeds = [0.1, 0.2, 0.4, 0.8].into_iter().flat_map(|v| [v, back * v]).filter(|v| *v != 0.0);
+    all.extend(speeds.flat_map(|v| turns.iter().map(move |w| Way::Arc { v: v * top, w: w * rate })));
+    all.extend([-0.9, 0.9].map(|w| Way::Arc { v: 0.0, w: w * rate }));
+    if level > 0 {
+        all.extend([-1.0, 1.0].map(|turn| Way::Heading { yaw: wrap(sim.pose[2] + turn * 1.5), v: 0.4 * top }));
+    }
+    all
 }
 
 /// Speed (m/s) from which the base stops at `left` m with deceleration `a` (m/s2), and comes to rest softly over the last `a / SOFT^2` m.

@@ -13,7 +13,7 @@ use crate::drive::local::Local;
 use crate::drive::ramp::Ramp;
 use crate::drive::rooms::Rooms;
 use crate::drive::search::{Node, Plans, Search};
-use crate::drive::ways::{Predictor, Sim, Way};
+use crate::drive::ways::{Predictor, Sim, Way, escapes};
 use crate::drive::{Command, Controller, CostToGo, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
 use crate::world::World;
 use crate::world::shape::{distance, wrap};
@@ -257,7 +257,7 @@ impl Planning {
         let field = Field::new(world, robot, body, seen, (tight, self.p.horizon + PARK));
         let stop = [before.stop[0] - SLOW, self.p.error + TIGHT];
         let predictor = Predictor { field: &field, stop, ..before };
-        let firsts = self.escapes(&start, 0);
+        let firsts = escapes(robot, self.p.reverse, &start, 0);
         let plans = self.search(&predictor, start, (&firsts, true), guide);
         let decision = self.pick((&plans, &firsts, false), &predictor, guard, (&start, seen));
         decision.unwrap_or_else(|| Decision::Stop(why(None, seen)))
@@ -395,7 +395,7 @@ impl Planning {
         let commands: Vec<(f64, f64)> = firsts.iter().map(|way| predictor.wanted(*way, &start)).collect();
         let mut ways = |node: &Node, level: usize, list: &mut Vec<Way>| match level {
             0 => list.extend_from_slice(firsts),
-            _ if escape => list.extend(self.escapes(&node.sim, level)),
+            _ if escape => list.extend(escapes(predictor.robot, self.p.reverse, &node.sim, level)),
             _ => self.later(&node.sim, list),
         };
         let to_go = guide.to_go.as_deref().map(|field| (field, field.at([start.pose[0], start.pose[1]]))).filter(|known| known.1.is_finite());
@@ -436,21 +436,6 @@ impl Planning {
         if self.p.reverse > 0.0 && sim.v < 0.1 {
             list.push(Way::Arc { v: -self.p.reverse.min(top), w: 0.0 });
         }
-    }
-
-    /// What may be done to get out of the way, from rest or slowly.
-    fn escapes(&self, sim: &Sim, level: usize) -> Vec<Way> {
-        let (top, rate) = (self.setup.robot.speed, self.setup.robot.turn_rate);
-        let back = if self.p.reverse > 0.0 { -1.0 } else { 0.0 };
-        let mut all = vec![Way::Arc { v: 0.0, w: 0.0 }];
-        let turns: &[f64] = if level == 0 { &[-0.9, -0.35, 0.0, 0.35, 0.9] } else { &[-0.5, 0.0, 0.5] };
-        let speeds = [0.1, 0.2, 0.4, 0.8].into_iter().flat_map(|v| [v, back * v]).filter(|v| *v != 0.0);
-        all.extend(speeds.flat_map(|v| turns.iter().map(move |w| Way::Arc { v: v * top, w: w * rate })));
-        all.extend([-0.9, 0.9].map(|w| Way::Arc { v: 0.0, w: w * rate }));
-        if level > 0 {
-            all.extend([-1.0, 1.0].map(|turn| Way::Heading { yaw: wrap(sim.pose[2] + turn * 1.5), v: 0.4 * top }));
-        }
-        all
     }
 
     /// What the critics see of a plan.

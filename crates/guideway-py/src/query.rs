@@ -24,7 +24,7 @@ pub struct Query {
 #[pymethods]
 impl Query {
     #[new]
-    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, half_width=0.0, corners=None, material="standard", limits=None))]
+    #[pyo3(signature = (world, start, goal, *, via=None, footprint=None, clearance=0.0, half_width=0.0, soft_clearance=None, corners=None, material="standard", limits=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     #[expect(clippy::needless_pass_by_value, reason = "the binding's extraction hands them over by value")]
     fn new(
@@ -36,6 +36,7 @@ impl Query {
         footprint: Option<Bound<'_, PyAny>>,
         clearance: f64,
         half_width: f64,
+        soft_clearance: Option<(f64, f64)>,
         corners: Option<&str>,
         material: &str,
         limits: Option<Bound<'_, PyAny>>,
@@ -45,6 +46,7 @@ impl Query {
         (inner.start_yaw, inner.goal_yaw) = (start_yaw, goal_yaw);
         inner.via = via.unwrap_or_default();
         (inner.clearance, inner.half_width) = (clearance, half_width);
+        inner.soft = soft_clearance.map(|(clearance, weight)| Soft { clearance, weight }.validated().or_py(py)).transpose()?;
         if let Some(footprint) = footprint {
             inner.footprint = from_python::<Footprint>("footprint", &footprint)?.validated().or_py(py)?;
         }
@@ -99,6 +101,11 @@ impl Query {
     #[getter]
     fn half_width(&self) -> f64 {
         self.inner.half_width
+    }
+    /// Soft clearance (m) and the weight of what is nearer, or None.
+    #[getter]
+    fn soft_clearance(&self) -> Option<(f64, f64)> {
+        self.inner.soft.map(|soft| (soft.clearance, soft.weight))
     }
     /// Footprint as a dictionary.
     #[getter]

@@ -1,6 +1,7 @@
 //! Times the cost-to-go of a map of 512 x 512 cells: `cargo run --release --example cost_to_go`.
 
-use guideway::drive::{CostToGo, Soft};
+use guideway::drive::CostToGo;
+use guideway::query::Soft;
 use guideway::world::{Bits, Grid, World};
 use std::time::Instant;
 

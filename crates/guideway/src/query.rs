@@ -65,6 +65,44 @@ impl Limits {
     }
 }
 
+/// Soft clearance: a metre nearer to obstacles than `clearance` beyond what the robot needs costs more, up to `1 + weight` times.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Soft {
+    /// m beyond the radius that is kept free.
+    pub clearance: f64,
+    /// Additional cost of a metre where that radius touches.
+    pub weight: f64,
+}
+
+impl Default for Soft {
+    fn default() -> Self {
+        Self { clearance: 0.3, weight: 2.0 }
+    }
+}
+
+impl Soft {
+    /// No soft clearance.
+    pub const NONE: Self = Self { clearance: 0.0, weight: 0.0 };
+
+    /// The same if it makes sense.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for a negative, huge or not finite value.
+    pub fn validated(self) -> Result<Self, PlanError> {
+        let named = [("soft_clearance", self.clearance, 1e3), ("soft_clearance.weight", self.weight, 100.0)];
+        match named.into_iter().find(|(_, v, most)| !(0.0..=*most).contains(v)) {
+            Some((name, v, most)) => Err(PlanError::bad(name, v, format!("0 to {most}"))),
+            None => Ok(self),
+        }
+    }
+
+    /// Cost of a metre where `spare` (m) is left beyond the radius that is kept free: 1 in the open.
+    #[inline]
+    pub fn price(self, spare: f64) -> f64 {
+        1.0 + self.weight * (1.0 - spare / self.clearance.max(1e-9)).clamp(0.0, 1.0)
+    }
+}
+
 /// A planning query. Build with [`Query::new`], refine with the public fields, and every method validates once with [`Query::validate`].
 #[derive(Debug, Clone)]
 pub struct Query {
@@ -84,6 +122,8 @@ pub struct Query {
     pub footprint: Footprint,
     /// Distance to keep between footprint and obstacles, m.
     pub clearance: f64,
+    /// Soft clearance: planners on the lattice that can (`astar`, `dijkstra`) minimise the length weighed by it, and refinement keeps to it.
+    pub soft: Option<Soft>,
     /// Half the width of the load, m; it counts where [`Material::Long`] is carried.
     pub half_width: f64,
     /// When a diagonal step on a grid is allowed.
@@ -106,6 +146,7 @@ impl Query {
             via: Vec::new(),
             footprint: Footprint::default(),
             clearance: 0.0,
+            soft: None,
             half_width: 0.0,
             corners: Corners::default(),
             material: Material::default(),
@@ -157,6 +198,7 @@ impl Query {
             }
         }
         self.limits.validated()?;
+        self.soft.map_or(Ok(Soft::NONE), Soft::validated)?;
         let needed = self.radius();
         let stops = 1 + self.via.len();
         for (i, point) in std::iter::once(&self.start).chain(&self.via).chain(std::iter::once(&self.goal)).enumerate() {

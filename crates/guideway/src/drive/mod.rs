@@ -52,7 +52,7 @@ pub use outline::Outline;
 pub use pilot::{Pilot, Step};
 pub use record::{Collision, Energy, Event, MoverRecord, Outcome, Percentiles, Run, Separation, Sketch, Tracking};
 pub use sense::{Track, visible};
-pub use to_go::{CostToGo, DEAR, Soft};
+pub use to_go::{CostToGo, DEAR};
 pub use trace::{PlanRow, StepRow, Trace};
 pub use tracker::Tracker;
 pub use unicycle::{Unicycle, UnicyclePlant};

@@ -5,7 +5,7 @@
 //! where it is clearly shorter, so that the robot does not waver between equal ways.
 
 use super::ask::{Ask, asks};
-use super::{CostToGo, Course, Decision, Event, Guide, Observation, Passing, Reason, Robot, Soft, SubGoals, Track};
+use super::{CostToGo, Course, Decision, Event, Guide, Observation, Passing, Reason, Robot, SubGoals, Track};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
@@ -360,6 +360,6 @@ fn guide(course: Arc<Course>, query: &Query, robot: &Robot) -> Guide {
     let body = [robot.footprint.inscribed(), robot.footprint.circumscribed()];
     // A tour leads through its via points; a field knows one goal.
     let wanted = query.via.is_empty() && w * h <= MOST_CELLS;
-    let to_go = wanted.then(|| Arc::new(CostToGo::new(&query.world, query.goal, body, Soft::default())));
+    let to_go = wanted.then(|| Arc::new(CostToGo::new(&query.world, query.goal, body, query.soft.unwrap_or_default())));
     Guide { to_go, ..Guide::along(course) }
 }

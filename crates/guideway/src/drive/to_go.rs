@@ -9,47 +9,14 @@ mod march;
 mod way;
 
 use crate::Point;
-use crate::error::PlanError;
+use crate::query::Soft;
 use crate::world::World;
 use march::march;
-use serde::{Deserialize, Serialize};
 
 /// What a metre costs more where the robot just fits in its best heading than where it fits in every one.
 pub const DEAR: f64 = 4.0;
 /// Around the goal the field is exact within so many cells, where that is in sight.
 const NEAR: i64 = 4;
-
-/// Soft clearance: places nearer to obstacles than `clearance` beyond the body cost more, up to `1 + weight` times.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Soft {
-    /// m beyond the circumscribed radius.
-    pub clearance: f64,
-    /// Additional cost of a metre where the covering disc touches.
-    pub weight: f64,
-}
-
-impl Default for Soft {
-    fn default() -> Self {
-        Self { clearance: 0.3, weight: 2.0 }
-    }
-}
-
-impl Soft {
-    /// No soft clearance.
-    pub const NONE: Self = Self { clearance: 0.0, weight: 0.0 };
-
-    /// The same if it makes sense.
-    /// # Errors
-    /// [`PlanError::BadParameter`] for a negative, huge or not finite value.
-    pub fn validated(self) -> Result<Self, PlanError> {
-        let named = [("soft.clearance", self.clearance, 1e3), ("soft.weight", self.weight, 100.0)];
-        match named.into_iter().find(|(_, v, most)| !(0.0..=*most).contains(v)) {
-            Some((name, v, most)) => Err(PlanError::bad(name, v, format!("0 to {most}"))),
-            None => Ok(self),
-        }
-    }
-}
 
 /// Least cost to the goal from every place, in metres of open ground.
 #[derive(Debug, Clone)]
@@ -164,14 +131,13 @@ fn slowness(world: &World, frame: Frame, [inscribed, covering]: [f64; 2], soft: 
     let field = world.clearance_field();
     let stride = frame.stride();
     let mut slow = vec![f32::INFINITY; stride * (frame.size[1] + 2)];
-    let (tight, margin) = ((covering - inscribed).max(1e-9), soft.clearance.max(1e-9));
+    let tight = (covering - inscribed).max(1e-9);
     let cost = |c: f64| {
         if c < inscribed || c < 0.0 {
             return f32::INFINITY;
         }
-        let near = (1.0 - (c - covering) / margin).clamp(0.0, 1.0);
         let narrow = ((covering - c) / tight).clamp(0.0, 1.0);
-        (1.0 + soft.weight * near + DEAR * narrow) as f32
+        (soft.price(c - covering) + DEAR * narrow) as f32
     };
     field.map(cost, |x, y, f| slow[(y as usize + 1) * stride + x as usize + 1] = f);
     slow

@@ -37,7 +37,8 @@ pub struct Solution {
     pub path: Path,
     /// Cells of a lattice planner, start cell to goal cell, every step to a neighbour (`None` for planners that are not on the lattice).
     pub cells: Option<Vec<Cell>>,
-    /// Cost of the path in the planner's own model; its length in m, or the value of its objective where `trace.objective` describes one.
+    /// Cost of the path in the planner's own model; its length in m, the length weighed by
+    /// the soft clearance where `trace.soft_clearance` names one, or the value of its objective where `trace.objective` describes one.
     pub cost: f64,
     /// Motion, for planners that plan path and speed at once.
     pub trajectory: Option<Trajectory>,
@@ -60,7 +61,7 @@ pub struct Solution {
 impl Solution {
     /// Length of the raw path, m, as exactly as the planner knows it.
     pub fn length(&self) -> f64 {
-        if self.trace.get("objective").is_some() { self.path.length() } else { self.cost }
+        if ["objective", "soft_clearance"].iter().any(|key| self.trace.get(*key).is_some()) { self.path.length() } else { self.cost }
     }
 
     /// What a search found that ran to its end: `cost` in m, `expansions` nodes expanded; no cells.

@@ -7,6 +7,7 @@ mod cells;
 mod chords;
 mod fit;
 mod merge;
+mod metric;
 mod security_marking;
 mod simplify;
 mod smooth;

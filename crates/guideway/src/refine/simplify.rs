@@ -1,5 +1,6 @@
-//! Line-of-sight simplification: fewer way points, never longer, as far from obstacles as the query asks.
+//! Line-of-sight simplification: fewer way points, never longer (under soft clearance: never dearer), as far from obstacles as the query asks.
 
+use super::metric::Metric;
 use super::chords::polyline;
 use super::{Refined, Refiner};
 use crate::Point;
@@ -79,10 +80,13 @@ fn on_leg(p: Point, a: Point, b: Point) -> bool {
     l2 > 0.0 && (0.0..=l2).contains(&dot(v, e)) && cross(e, v).abs() <= 1e-9 * l2.sqrt()
 }
 
-/// From each kept point, doubling steps to a far visible one, then halving back.
+/// From each kept point, doubling steps to a far visible one, then halving back. Steps that cost more than the way they replace are none.
 fn greedy(way: &[Point], query: &Query) -> Vec<Point> {
-    let radius = query.radius();
-    let sees = |i: usize, j: usize| j == i + 1 || query.world.segment_free(way[i], way[j], radius);
+    let (radius, metric) = (query.radius(), Metric::of(query));
+    let costs = metric.along(way);
+    let sees = |i: usize, j: usize| {
+        j == i + 1 || (metric.cost(way[i], way[j]) <= costs[j] - costs[i] + 1e-9 && query.world.segment_free(way[i], way[j], radius))
+    };
     let (mut kept, mut i) = (vec![way[0]], 0);
     while i + 1 < way.len() {
         let (mut good, mut step) = (i + 1, 2);
@@ -105,14 +109,18 @@ fn greedy(way: &[Point], query: &Query) -> Vec<Point> {
     kept
 }
 
-/// Shortest sub-sequence whose legs are free; legs of the input count as free. Equal lengths (1e-9) are broken by fewer points.
+/// Shortest (cheapest) sub-sequence whose legs are free; legs of the input count as free. Equal lengths (1e-9) are broken by fewer points.
 fn shortest(way: &[Point], query: &Query) -> Vec<Point> {
-    let (n, radius) = (way.len(), query.radius());
+    let (n, radius, metric) = (way.len(), query.radius(), Metric::of(query));
     let mut best = vec![(f64::INFINITY, usize::MAX, 0); n];
     best[0] = (0.0, 0, 0);
     for j in 1..n {
         for i in 0..j {
-            let (length, hops) = (best[i].0 + distance(way[i], way[j]), best[i].1 + 1);
+            // No metre costs less than 1.
+            if best[i].0 + distance(way[i], way[j]) > best[j].0 + 1e-9 {
+                continue;
+            }
+            let (length, hops) = (best[i].0 + metric.cost(way[i], way[j]), best[i].1 + 1);
             let better = length < best[j].0 - 1e-9 || (length <= best[j].0 + 1e-9 && hops < best[j].1);
             if better && (j == i + 1 || query.world.segment_free(way[i], way[j], radius)) {
                 best[j] = (length, hops, i);

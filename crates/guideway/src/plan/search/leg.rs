@@ -63,8 +63,11 @@ pub fn grid_optimum(query: &Query, ctx: &mut Context) -> Result<Solution, PlanEr
     plan(Engine::JumpPoint, query, ctx)
 }
 
-/// Plans a query leg by leg.
+/// Plans a query leg by leg; by price where it asks for soft clearance.
 pub(super) fn plan(engine: Engine, query: &Query, ctx: &mut Context) -> Result<Solution, PlanError> {
+    if let Some(soft) = query.soft.filter(|_| engine != Engine::JumpPoint) {
+        return super::soft::plan(soft, engine == Engine::AStar, query, ctx);
+    }
     let (mut expansions, mut runs) = (0, engine);
     let route = legs::plan(query, ctx, |leg, ctx| {
         runs = engine.on(leg.lattice, query.corners);

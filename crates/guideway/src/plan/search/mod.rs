@@ -15,6 +15,7 @@ mod open;
 mod pareto;
 mod reference;
 mod sight;
+mod soft;
 mod step;
 mod theta_star;
 mod tree;

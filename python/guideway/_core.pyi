@@ -82,6 +82,7 @@ class Query:
         footprint: Any = None,
         clearance: float = 0.0,
         half_width: float = 0.0,
+        soft_clearance: tuple[float, float] | None = None,
         corners: str | None = None,
         material: str = "standard",
         limits: Limits | None = None,
@@ -102,6 +103,8 @@ class Query:
     def clearance(self) -> float: ...
     @property
     def half_width(self) -> float: ...
+    @property
+    def soft_clearance(self) -> tuple[float, float] | None: ...
     @property
     def footprint(self) -> dict[str, Any]: ...
     @property

@@ -167,6 +167,7 @@ def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _c
         footprint=asked["footprint"],
         clearance=asked["clearance"],
         half_width=asked.get("half_width", 0.0),
+        soft_clearance=asked.get("soft_clearance"),
         corners=asked["corners"],
         material=asked["material"],
     )

@@ -15,6 +15,10 @@ from guideway.traces import trace_record
 Observer = Callable[[dict[str, Any]], bool]
 
 
+SOFT = ("astar", "dijkstra")
+"""Planners that weigh soft clearance."""
+
+
 @dataclass
 class Job:
     """Everything that decides a plan. ``footprint`` is a record (``{"disc": 0.35}``), points in m, yaw in rad."""
@@ -26,6 +30,7 @@ class Job:
     footprint: dict[str, Any] = field(default_factory=lambda: {"disc": 0.0})
     clearance: float = 0.0
     half_width: float = 0.0
+    soft_clearance: tuple[float, float] | None = None
     corners: str | None = None
     material: str = "standard"
     planner: str = "visibility"
@@ -58,6 +63,7 @@ class Job:
             footprint=self.footprint,
             clearance=self.clearance,
             half_width=self.half_width,
+            soft_clearance=self.soft_clearance,
             corners=self.corners,
             material=self.material,
             limits=self.limits,
@@ -80,6 +86,8 @@ def run(job: Job, folder: str | os.PathLike[str] = ".") -> Outcome:
 
     Raises the errors of :mod:`guideway.errors`; on Ctrl-C ``KeyboardInterrupt`` with an attribute ``outcome`` (or None).
     """
+    if job.soft_clearance is not None and job.planner not in SOFT:
+        raise BadParameter(f"{job.planner} does not weigh soft clearance: plan with {' or '.join(SOFT)}, or leave the soft clearance out")
     query, tour = toured(job)
     if job.pareto:
         alternatives.check(query)
@@ -229,6 +237,7 @@ def query_record(query: _core.Query) -> dict[str, Any]:
         "footprint": query.footprint,
         "clearance": query.clearance,
         "half_width": query.half_width,
+        "soft_clearance": None if query.soft_clearance is None else list(query.soft_clearance),
         "corners": query.corners,
         "material": query.material,
     }

@@ -4,7 +4,7 @@ use crate::convert::from_python;
 use crate::errors::{OrPy, to_py};
 use crate::world::World;
 use guideway::error::PlanError;
-use guideway::query::{self, Limits, Material};
+use guideway::query::{self, Limits, Material, Soft};
 use guideway::world::{Corners, Footprint};
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -13,6 +13,7 @@ use std::sync::Arc;
 ///
 /// `start` and `goal` are (x, y) or (x, y, yaw) in m and rad. `corners` defaults by material: standard and heavy touch, long clear.
 /// `limits` (:class:`Limits`) are read by planners that plan path and speed at once, such as `aide`; others leave them to :func:`time`.
+/// `soft_clearance` is (m, weight): a metre nearer to obstacles than that beyond `clearance` costs up to 1 + weight times; `astar` and `dijkstra` minimise that.
 /// `half_width` (m) is that of a long load; with `material="long"` and `clear` every planner keeps off obstacles by at least half a cell.
 #[pyclass(frozen, module = "guideway")]
 pub struct Query {

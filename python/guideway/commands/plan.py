@@ -11,7 +11,7 @@ from typing import Any
 from guideway import _core, alternatives, jobs, products, records
 from guideway.commands import options
 from guideway.errors import BadParameter
-from guideway.io.types import GridMap, Scene
+from guideway.io.types import SOFT_WEIGHT, GridMap, Scene
 from guideway.worlds import footprint_record, world_of
 
 EXAMPLES = """examples:
@@ -48,6 +48,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--via", metavar="X,Y", action="append", help="a point to pass, in order; may be repeated")
     where.add_argument("--footprint", metavar="SHAPE", help="disc:R, box:L,W or polygon:x,y;x,y;... in m (default a point)")
     where.add_argument("--clearance", type=float, metavar="M", help="distance to keep from obstacles, m (default 0)")
+    where.add_argument(
+        "--soft-clearance", metavar="M[,W]", help="a metre nearer to obstacles than M beyond that costs up to 1 + W times (W: 2); plans with astar"
+    )
     where.add_argument("--half-width", type=float, metavar="M", help="half the width of a long load, m (default 0; counts with --material long)")
     where.add_argument("--corners", metavar="RULE", help="touch, clear or squeeze: when a diagonal step on a grid is allowed (default by material)")
     where.add_argument("--material", metavar="KIND", help="standard (shortest, default), long (safest) or heavy (least energy)")
@@ -113,6 +116,8 @@ def _check(arguments: argparse.Namespace) -> None:
         options.count("--" + name, getattr(arguments, name))
     if arguments.compare_materials and arguments.scen is not None:
         raise BadParameter("--compare-materials is for one query: leave out --scen")
+    if arguments.soft_clearance is not None and arguments.scen is not None:
+        raise BadParameter("--soft-clearance is for one query: leave out --scen")
     if arguments.csv and arguments.no_timing:
         raise BadParameter("--csv needs a motion in time: leave out --no-timing")
     for first, second in (("start", "start_cell"), ("goal", "goal_cell")):
@@ -140,6 +145,11 @@ def job_of(arguments: argparse.Namespace) -> tuple[jobs.Job, str | None, str | N
     if arguments.footprint is not None:
         job.footprint = options.footprint(arguments.footprint)
     job.start, job.goal = _end(arguments, "start", job.start, world), _end(arguments, "goal", job.goal, world)
+    if arguments.soft_clearance is not None:
+        soft = options.numbers("--soft-clearance", arguments.soft_clearance, (1, 2), "M or M,WEIGHT")
+        job.soft_clearance = (soft[0], soft[1] if len(soft) == 2 else SOFT_WEIGHT)
+    if job.soft_clearance is not None and arguments.planner is None and (table is None or table.planner is None):
+        job.planner = "astar"
     if arguments.via:
         job.via = [_pair(options.numbers("--via", text, (2,), "X,Y")) for text in arguments.via]
     job.order = arguments.order or job.order
@@ -170,6 +180,7 @@ def job_of_scene(scene: Scene) -> jobs.Job:
         job.start = () if query.start is None else (*query.start, *([] if query.start_yaw is None else [query.start_yaw]))
         job.goal = () if query.goal is None else (*query.goal, *([] if query.goal_yaw is None else [query.goal_yaw]))
         job.order = query.order
+        job.soft_clearance = query.soft_clearance
         job.via, job.clearance, job.half_width, job.material = list(query.via), query.clearance, query.half_width, query.material
     job.speed_mask = None if scene.speed_mask is None else str(scene.speed_mask)
     if table is not None:

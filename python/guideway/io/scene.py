@@ -11,7 +11,7 @@ from guideway.errors import BadFile
 from guideway.io.files import MAX_TEXT, load, name
 from guideway.io.movers import read_footprint, read_movers
 from guideway.io.tables import HUGE, Table, parse_toml
-from guideway.io.types import MAX_CELLS, Corners, Disc, GridMap, Lidar, Material, Mover, Plan, Point, Polygon, Query, Robot, Scene
+from guideway.io.types import MAX_CELLS, SOFT_WEIGHT, Corners, Disc, GridMap, Lidar, Material, Mover, Plan, Point, Polygon, Query, Robot, Scene
 
 from guideway.io.types import Thresholds, Unknown  # isort: skip
 
@@ -198,6 +198,7 @@ def _pose(table: Table, key: str) -> tuple[Point | None, float | None]:
 def _query(table: Table) -> Query:
     start, start_yaw = _pose(table, "start")
     goal, goal_yaw = _pose(table, "goal")
+    soft = table.numbers("soft_clearance", (1, 2), "[m] or [m, weight]")
     query = Query(
         start=start,
         goal=goal,
@@ -206,6 +207,7 @@ def _query(table: Table) -> Query:
         via=table.points("via", 0) if "via" in table else table.raw("via") or (),
         clearance=table.number("clearance", 0.0, 1e6, "m", 0.0),
         half_width=table.number("half_width", 0.0, 1e6, "m", 0.0),
+        soft_clearance=None if soft is None else (soft[0], soft[1] if len(soft) == 2 else SOFT_WEIGHT),
         arrival=table.number("arrival", 0.0, HUGE, "m", 0.1, above=True),
         material=cast(Material, table.choice("material", MATERIALS, "standard")),
         time_limit=table.optional("time_limit", 0.0, 1e6, "s", above=True),

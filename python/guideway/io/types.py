@@ -188,9 +188,16 @@ class Lidar:
         return {"beams": self.beams, "field_of_view": self.field_of_view, "range": self.range, "noise": self.noise, "rate": self.rate}
 
 
+SOFT_WEIGHT = 2.0
+"""What a metre costs more where the hard clearance is only just kept, if a soft one is asked for without a weight."""
+
+
 @dataclass(frozen=True)
 class Query:
-    """What is asked: points, ``clearance``, ``half_width``, ``arrival`` in m, headings in rad, ``time_limit`` in s (None: the default)."""
+    """What is asked: points, ``clearance``, ``half_width``, ``arrival`` in m, headings in rad, ``time_limit`` in s (None: the default).
+
+    ``soft_clearance`` is (m, weight): a metre nearer to obstacles than that beyond ``clearance`` costs up to 1 + weight times.
+    """
 
     start: Point | None = None
     goal: Point | None = None
@@ -199,6 +206,7 @@ class Query:
     via: tuple[Point, ...] = ()
     clearance: float = 0.0
     half_width: float = 0.0
+    soft_clearance: tuple[float, float] | None = None
     arrival: float = 0.1
     material: Material = "standard"
     time_limit: float | None = None

@@ -1,7 +1,7 @@
 //! Line-of-sight simplification: fewer way points, never longer (under soft clearance: never dearer), as far from obstacles as the query asks.
 
-use super::metric::Metric;
 use super::chords::polyline;
+use super::metric::Metric;
 use super::{Refined, Refiner};
 use crate::Point;
 use crate::context::Context;

@@ -223,7 +223,10 @@ mod tests {
             let asked = query(&bits, ends, soft);
             let found = AStar {}.plan(&asked, &mut Context::new(0)).unwrap();
             let path = refiner.refine(&found.path, &asked, &mut Context::new(0)).unwrap().path;
-            (0..=1000).map(|k| path.eval(path.length() * f64::from(k) / 1000.0, 0)[0].clone()).map(|p| asked.world.clearance([p[0], p[1]])).fold(9.0, f64::min)
+            (0..=1000)
+                .map(|k| path.eval(path.length() * f64::from(k) / 1000.0, 0)[0].clone())
+                .map(|p| asked.world.clearance([p[0], p[1]]))
+                .fold(9.0, f64::min)
         };
         let soft = Some(Soft { clearance: 4.0, weight: 4.0 });
         for refiner in [&Simplify::default() as &dyn Refiner, &Smooth::default()] {

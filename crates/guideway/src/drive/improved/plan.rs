@@ -247,7 +247,7 @@ impl Planning {
         if let Some(decision) = self.pick((&plans, &firsts, true), &predictor, &guard, (&start, seen)) {
             return decision;
         }
-        self.escape(guide, &world, (predictor, &guard), (start, seen))
+        self.escape(guide, world, (predictor, &guard), (start, seen))
     }
 
     /// Where all plans with full margins meet something: the best way out with small ones.

@@ -102,7 +102,7 @@ impl<'a> Search<'a> {
                 return Ok(self.way(start, goal));
             }
             self.expansions += 1;
-            if self.expansions % POLL == 0 {
+            if self.expansions.is_multiple_of(POLL) {
                 match ctx.poll() {
                     Some(Stop::Cancelled) => return Err(PlanError::Cancelled),
                     Some(_) => return Err(out_of_time(self.leg.query)),

@@ -283,3 +283,17 @@ def test_way_points_of_another_robot_are_refused(tmp_path, arm):
         path.write_text(text)
         with pytest.raises(gw.BadFile, match=message):
             gw.arm.load_way_points(path, arm.names)
+
+
+def test_an_arm_of_seven_joints_follows_a_tool_path():
+    quarter = math.pi / 2
+    table = zip((0.36, 0, 0.42, 0, 0.4, 0, 0.126), (-quarter, quarter, quarter, -quarter, -quarter, quarter, 0), strict=True)
+    arm = gw.arm.Arm.from_dh([{"a": 0.0, "alpha": alpha, "d": d} for d, alpha in table], lower=-6.2, upper=6.2)
+    line = gw.arm.Nurbs([[0.5, -0.2, 0.4], [0.55, 0.0, 0.45], [0.5, 0.2, 0.4]], degree=2, posture=[-0.3, 0.6, 0.1, -1.3, 0.1, 1.2, 0.2])
+    found = gw.arm.joint_path(arm, line)
+    poses = arm.forward(found.path.eval(np.linspace(0, found.path.length, 50))[0])
+    assert np.allclose(poses[:, :3, :3], np.diag([1.0, -1.0, -1.0]), atol=2e-5)
+    assert poses[0, :3, 3] == pytest.approx([0.5, -0.2, 0.4], abs=1e-5)
+    assert poses[-1, :3, 3] == pytest.approx([0.5, 0.2, 0.4], abs=1e-5)
+    with pytest.raises(gw.BadParameter, match="six joints only"):
+        gw.arm.branches(arm, poses[0])

@@ -129,6 +129,15 @@ def _rates(motion: ArmMotion, asked: Floats, state: dict[str, Floats]) -> Floats
     return rates
 
 
+def worst_rate(motion: ArmMotion, within: int = WITHIN) -> float:
+    """The largest share of the limit of torque rate that a motion uses, 0 without such a limit."""
+    rate = motion.limits.per_joint("torque_rate", len(motion.names))
+    if rate is None or not len(motion.pieces):
+        return 0.0
+    state = within_pieces(motion, within)
+    return float(np.max(_rates(motion, motion.torques(state), state) / rate))
+
+
 def _tip(motion: ArmMotion, state: dict[str, Floats], tolerance: float) -> list[dict[str, Any]]:
     limits, arm, found = motion.limits, motion.arm, list[dict[str, Any]]()
     if arm is None or (limits.tip_speed is None and limits.tip_acceleration is None):

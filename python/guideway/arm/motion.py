@@ -127,7 +127,9 @@ class ArmMotion:
             raise BadParameter(f"override {factor!r} is out of range: above 0 and at most 1. To go faster, raise the limits and time the path again")
         if at <= 0:
             scaled = self.pieces * np.array([1 / factor, 1, factor, factor**2, factor**3, 1 / factor])
-            return replace(self, pieces=scaled, report=self.report | {"override": factor})
+            grid = self.grid | ({"x": np.asarray(self.grid["x"], float) * factor**2} if len(self.grid.get("x", ())) else {})
+            before = self.report.get("override", 1.0)
+            return replace(self, pieces=scaled, grid=grid, report=self.report | {"override": factor * before})
         from guideway.arm.brake import slowed
 
         return slowed(self, at, factor)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -53,15 +54,21 @@ def time(
         raise BadParameter(f"method {method!r} is not known; allowed: {', '.join(METHODS)}")
     given, arm = _path(path, arm)
     asked = complete(JointLimits.of(limits), arm, torque)
-    if asked.torque is not None and torque is not False:
+    if asked.torque is not None:
         if arm is None:
             raise BadParameter("torque limits need an arm: give arm=, or leave torque out")
         rows_of.check_static(arm, given.path, asked)
-    rows, names, ceiling = demands(arm, given.path, asked, torque is not False)
+    rows, names, ceiling = demands(arm, given.path, asked)
+    smooth = (asked.jerk is not None or asked.torque_rate is not None) if jerk is None else jerk
+    solved = asked
+    if smooth and asked.jerk is None and asked.torque_rate is not None and arm is not None:
+        solved = replace(asked, jerk=_jerk_of_rate(arm, given, asked))
     began = perf_counter()
-    found = _solve(given, asked, method, jerk, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
-    motion = _motion(found, given, asked, arm, method)
+    found = _solve(given, solved, method, smooth, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
+    motion = _motion(found, given, asked, arm, method, smooth)
     motion.report["seconds"] = perf_counter() - began
+    if smooth and asked.torque_rate is not None and arm is not None:
+        motion = _within_rate(motion)
     if check and len(motion.pieces):
         certificate = motion.certify(collisions=False)
         motion.report["certificate"] = certificate
@@ -70,20 +77,43 @@ def time(
     return motion
 
 
-def _solve(path: JointPath, asked: JointLimits, method: str, jerk: bool | None, demanded: Any, *others: Any) -> Any:
+def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, demanded: Any, *others: Any) -> Any:
     """The core's solver; what it need not know of is left out."""
     core: Any = _core
     rows, names, ceiling = demanded
-    smooth = (asked.jerk is not None or asked.torque_rate is not None) if jerk is None else jerk
     words: dict[str, Any] = dict(zip(("start_speed", "end_speed", "grid", "windows", "observe"), others, strict=True))
-    words = {key: value for key, value in words.items() if value is not None}
-    counts = ("speed", "acceleration", "deceleration", *(("jerk", "torque_rate") if smooth else ()))
+    words = {key: value for key, value in words.items() if value is not None} | ({"jerk": True} if smooth else {})
+    known = core.time_joints.__text_signature__ or ""
+    for word in list(words):
+        if word == "observe" and "observe=" not in known:
+            del words[word]  # it only shows how the search goes on
+        elif f"{word}=" not in known:
+            raise BadParameter(f"{word} is not kept by the solver of this version: leave it out")
+    counts = ("speed", "acceleration", "deceleration", *(("jerk",) if smooth else ()))
     limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
-    if smooth:
-        if "jerk" not in (core.time_joints.__text_signature__ or ""):
-            raise BadParameter("limits of jerk and torque rate are not kept by this version: leave them out, or pass jerk=False")
-        words["jerk"] = True
     return core.time_joints(path.path, limits, method=method, rows=rows, row_names=names, ceiling=ceiling, **words)
+
+
+def _jerk_of_rate(arm: Arm, path: JointPath, asked: JointLimits, places: int = 60) -> list[float]:
+    """Joint jerks at which the joint's own inertia alone uses up the torque rate: what a limit of torque rate means where none of jerk is stated."""
+    q = path.path.eval(np.linspace(0.0, path.path.length, places))[0]
+    still, rate = np.zeros_like(q), asked.per_joint("torque_rate", arm.joints)
+    assert rate is not None
+    gravity = arm.rnea(q, still, still)
+    own = [np.max((arm.rnea(q, still, still + e) - gravity)[:, k]) for k, e in enumerate(np.eye(arm.joints))]
+    return (rate / np.maximum(own, 1e-9)).tolist()
+
+
+def _within_rate(motion: ArmMotion) -> ArmMotion:
+    """The motion slowed down as a whole until its torque rates are within their limit."""
+    from guideway.arm.certificate import worst_rate
+
+    for _ in range(60):
+        ratio = worst_rate(motion)
+        if ratio <= 1:
+            break
+        motion = motion.override(max(0.5, ratio ** (-1 / 3) * (1 - 1e-7)))
+    return motion
 
 
 def _failed(check: dict[str, Any]) -> str:
@@ -111,7 +141,9 @@ def _path(path: Any, arm: Arm | None) -> tuple[JointPath, Arm | None]:
 
 
 def complete(limits: JointLimits, arm: Arm | None, torque: bool | None) -> JointLimits:
-    """Limits with what the robot's description and the defaults add."""
+    """Limits with what the robot's description and the defaults add; without torques where they shall not count."""
+    if torque is False:
+        limits = replace(limits, torque=None, torque_rate=None)
     if arm is None:
         if limits.speed is None and limits.acceleration is None:
             raise BadParameter("no limits were given: at least speed or acceleration are needed")
@@ -126,10 +158,10 @@ def complete(limits: JointLimits, arm: Arm | None, torque: bool | None) -> Joint
     return limits.over(own)
 
 
-def demands(arm: Arm | None, path: _core.Path, limits: JointLimits, torque: bool = True) -> tuple[Any, list[str] | None, Any]:
+def demands(arm: Arm | None, path: _core.Path, limits: JointLimits) -> tuple[Any, list[str] | None, Any]:
     """Rows, their names and the speed ceiling for the solver: torques, the tip's speed and acceleration; None where nothing is asked."""
     parts, names = [], []
-    if limits.torque is not None and torque and arm is not None:
+    if limits.torque is not None and arm is not None:
         parts.append(rows_of.torque_rows(arm, path, limits))
         names += rows_of.torque_names(arm)
     if arm is None and (limits.tip_speed is not None or limits.tip_acceleration is not None):
@@ -143,7 +175,7 @@ def demands(arm: Arm | None, path: _core.Path, limits: JointLimits, torque: bool
     return (rows_of.joined(parts) if parts else None), (names or None), ceiling
 
 
-def _motion(found: Any, path: JointPath, limits: JointLimits, arm: Arm | None, method: str) -> ArmMotion:
+def _motion(found: Any, path: JointPath, limits: JointLimits, arm: Arm | None, method: str, smooth: bool) -> ArmMotion:
     grid = {"s": np.asarray(found.s), "x": np.asarray(found.x), "mvc": np.asarray(found.mvc), "active": list(found.active)}
-    report = {"method": method, "solver": found.report, "price": getattr(found, "price", None)}
+    report = {"method": method, "jerk": smooth, "solver": found.report, "price": dict(getattr(found, "price", None) or {})}
     return ArmMotion(path, pieces_of(found.pieces), limits, arm, grid, report)

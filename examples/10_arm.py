@@ -5,7 +5,7 @@ from pathlib import Path
 import guideway as gw
 
 try:
-    arm = gw.arm.robot("ur5e", payload=5.0, friction=gw.arm.REFERENCE_FRICTION)  # or gw.arm.Arm.load("robot.urdf")
+    arm = gw.arm.robot("ur5e", payload=5.0, friction=gw.arm.Friction(coulomb=(7, 7, 7, 2, 2, 2)))  # or Arm.load("robot.urdf")
 except ImportError as missing:
     print(missing)
     raise SystemExit(0) from None

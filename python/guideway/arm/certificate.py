@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from guideway.arm.model import STILL
 from guideway.arm.motion import ArmMotion
 from guideway.arm.rows import tip_derivatives
 
@@ -120,7 +121,7 @@ def _ratios(motion: ArmMotion, state: dict[str, Floats], tolerance: float) -> li
 def _rates(motion: ArmMotion, asked: Floats, state: dict[str, Floats]) -> Floats:
     """Torque rates between neighbouring samples of one piece, N m/s; steps of Coulomb friction, where a joint turns round, do not count."""
     coulomb = motion.arm.friction.arrays(motion.arm.joints)[1] if motion.arm is not None else 0.0
-    smooth = asked - coulomb * np.sign(state["first"])
+    smooth = asked - coulomb * np.where(np.abs(state["first"]) > STILL, np.sign(state["first"]), 0.0)
     dt, change = np.diff(state["t"]), np.abs(np.diff(smooth, axis=0))
     rates = np.zeros_like(asked)
     inside = dt > 1e-9

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-STILL = 1e-11
+STILL = 1e-6
 """A joint whose share of the path is below this does not move: Coulomb friction has no direction there."""
 
 

@@ -32,9 +32,13 @@ DIRECTIONS = 12
 """Directions in which the tip's acceleration is bounded, in the plane it can lie in: the bound that results is a regular polygon inside the circle,
 so it is kept exactly and 0.9 % of it is given away at most."""
 
+TURNING, STANDING = 1e-5, 1e-9
+"""A joint with a share of the path below the first turns round: its Coulomb friction counts in both directions there. Below the second it stands."""
+
 
 def torque_coefficients(arm: Arm, path: Path, s: Floats) -> Rows:
-    """Coefficients ``a, b, d, c`` of the joint torques at places ``s`` (n,), each (n, joints), payload and friction included, N m."""
+    """Coefficients ``a, b, d, c`` (and ``g``, the part of gravity in ``c``) of the joint torques at places ``s`` (n,),
+    each (n, joints), payload and friction included, N m."""
     arm.need_inertials()
     q, first, second = path.eval(s, 2)
     return coefficients_of(arm, q, first, second)
@@ -51,6 +55,7 @@ def coefficients_of(arm: Arm, q: Floats, first: Floats, second: Floats) -> Rows:
         "b": arm.rnea(q, first, second) - gravity,
         "d": viscous * first,
         "c": gravity + coulomb * direction,
+        "g": gravity,
     }
 
 
@@ -64,9 +69,15 @@ def torque_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
     if bound is None:
         bound = np.array(arm.torque_limits())
 
+    coulomb = arm.friction.arrays(arm.joints)[1]
+
     def rows(s: Floats) -> Rows:
-        found = torque_coefficients(arm, path, np.asarray(s, float))
-        return {**found, "low": -bound, "high": bound}
+        q, first, second = path.eval(np.asarray(s, float), 2)
+        found = coefficients_of(arm, q, first, second)
+        turning = (np.abs(first) < TURNING) & ((np.abs(first) > STANDING) | (np.abs(second) > TURNING))
+        spare = np.where(turning, coulomb, 0.0)
+        found["c"] = np.where(turning, found["g"], found["c"])
+        return {key: found[key] for key in "abdc"} | {"low": -bound + spare, "high": bound - spare}
 
     return rows
 
@@ -119,11 +130,16 @@ def tip_rows(arm: Arm, path: Path, acceleration: float) -> RowsOf:
     """A callable ``rows(s)`` that keeps the tip's acceleration vector below ``acceleration`` (m/s2) by :data:`DIRECTIONS` rows."""
     angles = np.arange(DIRECTIONS) * math.pi / DIRECTIONS
     bound = np.full(DIRECTIONS, acceleration * math.cos(math.pi / (2 * DIRECTIONS)))
+    normals = np.cross(*tip_derivatives(arm, path, np.linspace(0.0, path.length, 200)))
+    # the side from which the plane of the acceleration is seen: rows must not change places along the path
+    above = np.linalg.eigh(normals.T @ normals)[1][:, -1]
 
     def rows(s: Floats) -> Rows:
         first, second = tip_derivatives(arm, path, np.asarray(s, float))
         along = first / np.maximum(np.linalg.norm(first, axis=1, keepdims=True), 1e-300)
-        across = second - np.sum(second * along, axis=1, keepdims=True) * along
+        normal = np.cross(along, second)
+        normal *= np.where(normal @ above < 0, -1.0, 1.0)[:, None]
+        across = np.cross(normal, along)
         across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
         still = np.zeros((len(first), DIRECTIONS))
         one, two = (

@@ -17,7 +17,7 @@ from guideway.arm.model import Arm
 from guideway.arm.motion import ArmMotion, pieces_of
 from guideway.arm.nurbs import Nurbs
 from guideway.arm.paths import JointPath, joint_path
-from guideway.errors import BadParameter, CertificateFailed
+from guideway.errors import BadParameter, CertificateFailed, Infeasible
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -91,7 +91,16 @@ def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, deman
             raise BadParameter(f"{word} is not kept by the solver of this version: leave it out")
     counts = ("speed", "acceleration", "deceleration", *(("jerk",) if smooth else ()))
     limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
-    return core.time_joints(path.path, limits, method=method, rows=rows, row_names=names, ceiling=ceiling, **words)
+    demanded = {"rows": rows, "row_names": names, "ceiling": ceiling}
+    try:
+        return core.time_joints(path.path, limits, method=method, **demanded, **words)
+    except Infeasible as first:
+        if rows is None or method == "bisection":
+            raise
+        try:  # the other method may still find a way: it does not need intervals of speeds
+            return core.time_joints(path.path, limits, method="bisection", **demanded, **words)
+        except (Infeasible, CertificateFailed):
+            raise first from None
 
 
 def _jerk_of_rate(arm: Arm, path: JointPath, asked: JointLimits, places: int = 60) -> list[float]:

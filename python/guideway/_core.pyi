@@ -177,6 +177,8 @@ def time_joints(
     grid: int | None = None,
     tolerance: float = ...,
     check: int = 20,
+    windows: Sequence[Sequence[float]] | None = None,
+    duration: float | None = None,
     jerk: bool = False,
     tighten: bool = True,
 ) -> JointMotion: ...

@@ -4,7 +4,7 @@ use crate::convert::{from_python, table, to_python, values};
 use crate::errors::{OrPy, to_py};
 use crate::path::Path;
 use guideway::error::PlanError;
-use guideway::timing::topp::{self, Demands, JointLimits, Rows, TopMethod, TopOptions};
+use guideway::timing::topp::{self, Demands, JointLimits, Rows, TopMethod, TopOptions, Window};
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -88,16 +88,15 @@ impl JointMotion {
     #[pyo3(signature = (rate=None, *, times=None))]
     fn sample<'py>(&self, py: Python<'py>, rate: Option<f64>, times: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyDict>> {
         let duration = self.inner.duration();
-        let times = match times {
-            Some(times) => values("times", times)?,
-            None => {
-                let rate = rate.unwrap_or(500.0);
-                if !(rate.is_finite() && rate > 0.0 && rate * duration <= 1e7) {
-                    return Err(to_py(py, &PlanError::bad("rate", rate, "a positive rate in Hz that gives at most 1e7 rows")));
-                }
-                let count = (duration * rate * (1.0 - 1e-12)).ceil() as usize;
-                (0..count).map(|i| i as f64 / rate).chain([duration]).collect()
+        let times = if let Some(times) = times {
+            values("times", times)?
+        } else {
+            let rate = rate.unwrap_or(500.0);
+            if !(rate.is_finite() && rate > 0.0 && rate * duration <= 1e7) {
+                return Err(to_py(py, &PlanError::bad("rate", rate, "a positive rate in Hz that gives at most 1e7 rows")));
             }
+            let count = (duration * rate * (1.0 - 1e-12)).ceil() as usize;
+            (0..count).map(|i| i as f64 / rate).chain([duration]).collect()
         };
         if let Some(t) = times.iter().find(|t| t.is_nan()) {
             return Err(to_py(py, &PlanError::bad("times", t, "times in s")));
@@ -161,6 +160,20 @@ fn call<T>(
     })
 }
 
+/// Windows from rows of place, earliest and latest time, and the duration asked for.
+fn windowed(rows: Option<Vec<Vec<f64>>>, duration: Option<f64>) -> Result<Vec<Window>, PlanError> {
+    let mut windows = Vec::new();
+    for row in rows.into_iter().flatten() {
+        windows.push(match row[..] {
+            [s, earliest] => Window { s, earliest, latest: f64::INFINITY },
+            [s, earliest, latest] => Window { s, earliest, latest },
+            _ => return Err(PlanError::bad("windows", format!("{} values", row.len()), "rows of place, earliest and, if need be, latest time")),
+        });
+    }
+    windows.extend(duration.map(|d| Window { s: f64::MAX, earliest: d, latest: f64::INFINITY }));
+    Ok(windows)
+}
+
 /// The fastest motion of joints along `path` (arc length in joint space, rad) under `limits`: `speed`, `acceleration`, `deceleration` (against the motion of the
 /// joint; default: as acceleration), each one value or one per joint.
 ///
@@ -168,9 +181,10 @@ fn call<T>(
 /// dictionary of `a`, `b`, `c`, `d`, `low`, `high`, each (n, r) or (r,); all but `a` may be left out. `row_names`: r names. `ceiling(s)`: the largest `x`, shape
 /// (n,). `grid`: number of intervals; None: chosen by the time it may cost (`tolerance`, a share of the duration). All limits hold between grid points,
 /// checked at `check` places per interval; with a grid and `tighten=False` only at the grid points. `jerk`: the
-/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk. Raises `Infeasible` with the limit and the place.
+/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk.
+/// `windows`: rows of place (rad), earliest and, if need be, latest time (s) to pass it; `duration` (s): not faster than that in all. Raises `Infeasible` with the limit and the place.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=4e-4, check=20, jerk=false, tighten=true))]
+#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=4e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time_joints(
     py: Python<'_>,
@@ -185,12 +199,15 @@ pub fn time_joints(
     grid: Option<usize>,
     tolerance: f64,
     check: usize,
+    windows: Option<Vec<Vec<f64>>>,
+    duration: Option<f64>,
     jerk: bool,
     tighten: bool,
 ) -> PyResult<JointMotion> {
     let limits: JointLimits = from_python("limits", limits)?;
     let method = TopMethod::named(method).or_py(py)?;
-    let options = TopOptions { method, start_speed, end_speed, grid, tolerance, check, jerk, tighten };
+    let windows = windowed(windows, duration).or_py(py)?;
+    let options = TopOptions { method, start_speed, end_speed, grid, tolerance, check, windows, jerk, tighten };
     let (rows_of, names, ceiling_of) = (rows, row_names.unwrap_or_default(), ceiling);
     let (result, raised) = py.detach(|| {
         let raised = RefCell::new(None);
@@ -213,7 +230,7 @@ pub fn time_joints(
 /// `low <= a u + b x + d sqrt(x) + c <= high` at the grid points, at both ends of every interval. `ends`: squared path speed at both ends. Returns (n,).
 #[pyfunction]
 #[pyo3(signature = (s, x_max, a, b, c, low, high, d=None, *, ends=(0.0, 0.0)))]
-#[expect(clippy::too_many_arguments, reason = "arrays of a Python function")]
+#[expect(clippy::too_many_arguments, clippy::needless_pass_by_value, reason = "arrays of a Python function")]
 pub fn topp_kernel<'py>(
     py: Python<'py>,
     s: PyReadonlyArray1<'py, f64>,

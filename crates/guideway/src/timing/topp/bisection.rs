@@ -141,7 +141,7 @@ impl Search {
 fn below(raw: &Raw, reach: f64, x: f64, top: f64) -> Option<f64> {
     let slope = raw.a / reach;
     let size = slope.abs() * (x + top.abs()) + (raw.b * x).abs() + raw.c.abs() + raw.d.abs() * (x + top.abs()).sqrt();
-    let slack = ROUNDING * 1e-3 * size;
+    let slack = 0.1 * ROUNDING * size;
     let [low, high] = [raw.low - slack, raw.high + slack];
     let share = 2.0 * raw.way / reach;
     if raw.d == 0.0 || share == 0.0 {
@@ -162,10 +162,11 @@ fn below(raw: &Raw, reach: f64, x: f64, top: f64) -> Option<f64> {
     if value(w) >= low && value(w) <= high {
         return Some(top);
     }
-    let w = [low, high].into_iter().flat_map(|bound| roots(p, q, r - bound)).filter(|v| *v < w && *v >= 0.0).fold(f64::NEG_INFINITY, f64::max);
+    let w =
+        [raw.low, raw.high].into_iter().flat_map(|bound| roots(p, q, r - bound)).filter(|v| *v < w && *v >= 0.0).fold(f64::NEG_INFINITY, f64::max);
     let y = x + (w * w - x - raw.lift) / share;
     // A root is a bound of the set; it belongs to it up to rounding.
-    (w >= 0.0 && value(w) >= low - slack && value(w) <= high + slack).then_some(y)
+    (w >= 0.0 && value(w) >= low && value(w) <= high).then_some(y)
 }
 
 /// Real roots of p w^2 + q w + r.

@@ -138,33 +138,44 @@ pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg]
     grid.spans.iter().zip(legs).map(&mut check).collect()
 }
 
-/// The check of what is called for, at `count` places inside every interval, added to `used`.
+/// How far inside an interval its ends are checked, as a share: rows may jump at nodes.
+const INSIDE: f64 = 1e-7;
+
+/// The check of what is called for, at `count + 1` places of every interval, added to `used`.
 pub(super) fn demands(demands: &mut Demands, s: &[f64], legs: &[Leg], count: usize, used: &mut [Use]) -> Result<(), PlanError> {
     if demands.rows.is_none() && demands.ceiling.is_none() {
         return Ok(());
     }
-    let share = |j: usize| (j as f64 + 0.5) / count as f64;
-    let places: Vec<f64> = s.windows(2).flat_map(|w| (0..count).map(move |j| w[0] + (w[1] - w[0]) * share(j))).collect();
+    let share = |j: usize| (j as f64 / count as f64).clamp(INSIDE, 1.0 - INSIDE);
+    let places: Vec<f64> = s.windows(2).flat_map(|w| (0..=count).map(move |j| w[0] + (w[1] - w[0]) * share(j))).collect();
     let at = |k: usize, j: usize| legs[k].at((s[k + 1] - s[k]) * share(j));
     if let Some(rows) = &mut demands.rows {
         let rows = rows(&places)?.checked(places.len())?;
         for (k, used) in used.iter_mut().enumerate() {
-            for j in 0..count {
+            let mut past = [[0.0; 2]; 2];
+            for j in 0..=count {
                 let [x, u] = at(k, j);
+                let mut most = 0.0f64;
                 for r in 0..rows.count {
-                    let i = (k * count + j) * rows.count + r;
+                    let i = (k * (count + 1) + j) * rows.count + r;
                     let value = rows.a[i] * u + rows.b[i] * x + rows.c[i] + rows.d.get(i).map_or(0.0, |d| d * x.sqrt());
                     let excess = (value - rows.high[i]).max(rows.low[i] - value);
-                    used.note(1.0 + excess / scale([rows.low[i], rows.high[i]]), Binding::Row(r));
+                    let share = 1.0 + excess / scale([rows.low[i], rows.high[i]]);
+                    used.note(share, Binding::Row(r));
+                    most = most.max(share);
                 }
+                if j >= 2 {
+                    used.between([past[0], past[1], [most, 0.0]]);
+                }
+                past = [past[1], [most, 0.0]];
             }
         }
     }
     if let Some(ceiling) = &mut demands.ceiling {
         let ceiling = checked_ceiling(ceiling(&places)?, places.len())?;
         for (k, used) in used.iter_mut().enumerate() {
-            for j in 0..count {
-                let (x, bound) = (at(k, j)[0], ceiling[k * count + j]);
+            for j in 0..=count {
+                let (x, bound) = (at(k, j)[0], ceiling[k * (count + 1) + j]);
                 used.note(if x > 0.0 { x / bound } else { 0.0 }, Binding::Ceiling);
             }
         }

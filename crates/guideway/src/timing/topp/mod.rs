@@ -19,12 +19,14 @@ mod solve;
 mod strips;
 #[cfg(test)]
 mod tests;
+mod windows;
 
 pub use kernel::kernel;
 pub use limits::{JointLimits, PerJoint};
 pub use motion::{JointMotion, JointState};
 pub use problem::{CeilingAt, Demands, RowsAt};
 pub use rows::Rows;
+pub use windows::Window;
 
 use crate::error::PlanError;
 use crate::path::Path;
@@ -60,6 +62,8 @@ pub struct TopOptions {
     pub tolerance: f64,
     /// Places per interval at which all limits are checked.
     pub check: usize,
+    /// When places may be passed; with limits of jerk only the end.
+    pub windows: Vec<Window>,
     /// Whether the limits of jerk are kept too.
     pub jerk: bool,
     /// Whether limits are tightened on a fixed grid as well until the check passes.
@@ -68,7 +72,17 @@ pub struct TopOptions {
 
 impl Default for TopOptions {
     fn default() -> Self {
-        Self { method: TopMethod::default(), start_speed: 0.0, end_speed: 0.0, grid: None, tolerance: 4e-4, check: 20, jerk: false, tighten: true }
+        Self {
+            method: TopMethod::default(),
+            start_speed: 0.0,
+            end_speed: 0.0,
+            grid: None,
+            tolerance: 4e-4,
+            check: 20,
+            windows: Vec::new(),
+            jerk: false,
+            tighten: true,
+        }
     }
 }
 
@@ -126,7 +140,8 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
         return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3"));
     }
     let mut task = Task { course: &course, bounds: &bounds, demands, cells: options.grid, check: options.check };
-    let smooth = task.solve(&solved, &solved.grid.spans)?;
+    let mut smooth = task.solve(&solved, &solved.grid.spans)?;
+    smooth.wait(&options.windows, path.length())?;
     Ok(smoothed(&motion, smooth))
 }
 
@@ -206,6 +221,7 @@ impl TopOptions {
                 return Err(PlanError::bad(name, v, "a path speed >= 0, rad/s"));
             }
         }
+        self.windows.iter().try_for_each(Window::validate)?;
         if self.jerk && (self.start_speed > 0.0 || self.end_speed > 0.0) {
             let shown = self.start_speed.max(self.end_speed);
             return Err(PlanError::bad("start_speed, end_speed", shown, "0 where the limits of jerk are kept: such motions go from rest to rest"));

@@ -9,6 +9,7 @@ use super::motion::{Leg, legs};
 use super::problem::{Demands, Problem};
 use super::refuse;
 use super::strips::{Strips, Stuck};
+use super::windows::{Window, arrival, delay};
 use super::{Report, TopMethod, TopOptions};
 use crate::error::PlanError;
 
@@ -67,8 +68,35 @@ impl Solver<'_, '_> {
         }
         problem.bend = bends(&problem.s, &x, &problem.bend);
         x = self.fastest(&problem, Some(&x))?;
+        let windows = self.wait(&mut problem, &mut x)?;
         let (legs, used) = self.tighten(&grid, &mut problem, &mut x, &mut report)?;
+        for window in windows {
+            window.met(arrival(&problem, &x, window.s).max(window.earliest))?;
+        }
         Ok(Solved { grid, problem, x, legs, used, report })
+    }
+
+    /// Slows the motion down where it would be early; returns the windows in the order of their places.
+    fn wait(&self, problem: &mut Problem, x: &mut Vec<f64>) -> Result<Vec<Window>, PlanError> {
+        if self.options.jerk {
+            return Ok(Vec::new());
+        }
+        let length = self.course.length;
+        let mut windows: Vec<Window> = self.options.windows.iter().map(|w| Window { s: w.s.min(length), ..*w }).collect();
+        windows.sort_by(|a, b| a.s.total_cmp(&b.s));
+        let mut from = 0.0;
+        for window in &windows {
+            let early = window.earliest / arrival(problem, x, window.s);
+            let whole = window.s == length && from == 0.0 && self.ends() == [0.0; 2] && self.demands.rows.is_none();
+            if whole && early > 1.0 {
+                let factor = 1.0 / (early * early);
+                x.iter_mut().chain(&mut problem.bend).chain(&mut problem.ceiling).for_each(|x| *x *= factor);
+            } else {
+                delay(problem, x, from, window, |problem| self.fastest(problem, None))?;
+            }
+            from = window.s;
+        }
+        Ok(windows)
     }
 
     fn discretise(&mut self, grid: &Grid, report: &mut Report) -> Result<Problem, PlanError> {
@@ -118,8 +146,9 @@ impl Solver<'_, '_> {
     /// is left.
     fn tighten(&mut self, grid: &Grid, problem: &mut Problem, x: &mut Vec<f64>, report: &mut Report) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
         let full = self.options.check;
-        let few = full.min(FEW);
-        let (legs, mut used) = self.check(grid, problem, x, few)?;
+        let mut places = full.min(FEW);
+        let scales = self.ends() == [0.0; 2] && self.demands.rows.is_none();
+        let (mut legs, mut used) = self.check(grid, problem, x, places)?;
         report.first_excess = excess(&used);
         if self.options.jerk || (self.options.grid.is_some() && !self.options.tighten) {
             report.excess = report.first_excess;
@@ -127,25 +156,19 @@ impl Solver<'_, '_> {
         }
         for _ in 0..TIGHTENINGS {
             let most = excess(&used);
-            if most <= CLEAN || (most <= SMALL && self.ends() == [0.0; 2]) {
-                break;
-            }
-            report.tightenings += 1;
-            for (k, used) in used.iter().enumerate() {
-                if used.rows > 1.0 + 0.5 * CLEAN {
-                    problem.tightened[k] *= 1.0 + 1.1 * (used.rows - 1.0);
+            if most <= CLEAN || (most <= SMALL && scales) {
+                if places == full {
+                    break;
                 }
-                if used.speed > 1.0 + 0.5 * CLEAN {
-                    for node in [k, k + 1].into_iter().filter(|node| *node > 0 && *node < x.len() - 1) {
-                        problem.ceiling[node] = problem.ceiling[node].min(x[node] / used.speed);
-                    }
-                }
+                places = full;
+            } else {
+                report.tightenings += 1;
+                tighter(problem, x, &used);
+                *x = self.fastest(problem, Some(x))?;
             }
-            *x = self.fastest(problem, Some(x))?;
-            used = self.check(grid, problem, x, few)?.1;
+            (legs, used) = self.check(grid, problem, x, places)?;
         }
-        let (mut legs, mut used) = self.check(grid, problem, x, full)?;
-        if excess(&used) > CLEAN && self.ends() == [0.0; 2] {
+        if excess(&used) > CLEAN && scales {
             let factor = used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
             x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
             report.slowed = factor.sqrt();
@@ -157,6 +180,20 @@ impl Solver<'_, '_> {
             return Err(PlanError::CertificateFailed { stage: "timing of the joints", detail });
         }
         Ok((legs, used))
+    }
+}
+
+/// Tightens the limits of the intervals on which they are exceeded.
+fn tighter(problem: &mut Problem, x: &[f64], used: &[Use]) {
+    for (k, used) in used.iter().enumerate() {
+        if used.rows > 1.0 + 0.5 * CLEAN {
+            problem.tightened[k] *= 1.0 + 1.1 * (used.rows - 1.0);
+        }
+        if used.speed > 1.0 + 0.5 * CLEAN {
+            for node in [k, k + 1].into_iter().filter(|node| *node > 0 && *node < x.len() - 1) {
+                problem.ceiling[node] = problem.ceiling[node].min(x[node] / used.speed);
+            }
+        }
     }
 }
 

@@ -187,3 +187,107 @@ fn jerk_limited_motions_stop_at_corners() {
     let options = TopOptions { jerk: true, start_speed: 1.0, ..TopOptions::default() };
     assert!(time_joints(&corners, &limits, &options, &mut Demands::default()).is_err());
 }
+
+#[test]
+fn windows_are_met_and_nothing_else_is_lost() {
+    let path = random_path(4, 6, 4);
+    let free = fastest(&path, &usual(), &TopOptions::default());
+    let window = |s: f64, earliest: f64| Window { s, earliest, latest: f64::INFINITY };
+    let timed = |windows: Vec<Window>| time_joints(&path, &usual(), &TopOptions { windows, ..TopOptions::default() }, &mut Demands::default());
+    let slow = timed(vec![window(path.length(), 2.0 * free.duration())]).unwrap();
+    assert!((slow.duration() / free.duration() - 2.0).abs() < 1e-9);
+    // Half of the way not before three quarters of the time: late there, then as fast as can be.
+    let half = 0.5 * path.length();
+    let late = timed(vec![window(half, 0.75 * free.duration())]).unwrap();
+    let at = |motion: &JointMotion, t: f64| motion.at(t).s;
+    assert!((at(&late, 0.75 * free.duration()) - half).abs() < 1e-3 * half);
+    assert!(late.duration() < 1.5 * free.duration() && late.duration() > free.duration());
+    let [v, a] = worst(&late, &usual(), 20);
+    assert!(v <= 1.0 + 1e-6 && a <= 1.0 + 1e-6);
+    let passed = timed(vec![Window { s: half, earliest: 0.0, latest: 0.1 * free.duration() }]);
+    assert!(matches!(passed, Err(PlanError::Infeasible { .. })));
+    assert!(timed(vec![window(half, f64::NAN)]).is_err() && timed(vec![window(-1.0, 1.0)]).is_err());
+    let limits = with_jerk(usual(), 200.0);
+    let options = TopOptions { jerk: true, windows: vec![window(1e9, 9.0)], ..TopOptions::default() };
+    assert!((fastest(&path, &limits, &options).duration() - 9.0).abs() < 1e-9);
+}
+
+/// Rows like those of torque: one mass that hangs on a spring of sorts, with friction.
+fn loaded(s: &[f64], load: f64) -> Rows {
+    let each = |f: &dyn Fn(f64) -> f64| s.iter().map(|s| f(*s)).collect::<Vec<f64>>();
+    let (low, high) = (vec![-40.0; s.len()], vec![40.0; s.len()]);
+    Rows {
+        count: 1,
+        a: each(&|s| 2.0 + s.cos()),
+        b: each(&|s| -0.5 * s.sin()),
+        c: each(&|s| load * s.sin()),
+        d: each(&|s| 3.0 * (0.3 * s).cos()),
+        low,
+        high,
+    }
+}
+
+#[test]
+fn rows_with_friction_hold_and_both_methods_agree() {
+    for seed in 0..3 {
+        let path = random_path(seed, 6, 3);
+        let mut durations = Vec::new();
+        for method in [TopMethod::Reachability, TopMethod::Bisection] {
+            let mut demands =
+                Demands { names: vec!["torque of a mass".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 20.0)))), ceiling: None };
+            let options = TopOptions { method, ..TopOptions::default() };
+            let motion = time_joints(&path, &usual(), &options, &mut demands).unwrap();
+            assert!(motion.active.iter().any(|name| name == "torque of a mass"));
+            for i in 0..20_000 {
+                let state = motion.at(motion.duration() * (f64::from(i) + 0.5) / 20_000.0);
+                let row = loaded(&[state.s], 20.0);
+                let value = row.a[0] * state.acceleration + row.b[0] * state.speed.powi(2) + row.c[0] + row.d[0] * state.speed;
+                assert!(value.abs() <= 40.0 * (1.0 + 1e-5), "seed {seed}: {value}");
+            }
+            durations.push(motion.duration());
+        }
+        assert!((durations[0] / durations[1] - 1.0).abs() < 2e-3, "seed {seed}: {durations:?}");
+    }
+}
+
+#[test]
+fn static_overload_names_the_limit_and_the_place() {
+    let path = random_path(1, 6, 3);
+    for options in [
+        TopOptions::default(),
+        TopOptions { method: TopMethod::Bisection, ..TopOptions::default() },
+        TopOptions { grid: Some(100), ..TopOptions::default() },
+    ] {
+        let mut demands = Demands { names: vec!["torque of elbow".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 60.0)))), ceiling: None };
+        match time_joints(&path, &usual(), &options, &mut demands) {
+            Err(PlanError::Infeasible { reason, .. }) => assert!(reason.contains("torque of elbow") && reason.contains("s = "), "{reason}"),
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn hostile_limits_are_refused_and_nothing_to_do_is_done() {
+    let path = random_path(1, 5, 3);
+    for bad in [0.0, -1.0, f64::NAN] {
+        assert!(matches!(
+            time_joints(&path, &limits(1.0, bad), &TopOptions::default(), &mut Demands::default()),
+            Err(PlanError::BadParameter { .. })
+        ));
+    }
+    let few = JointLimits { speed: Some(PerJoint::Each(vec![1.0; 2])), ..limits(1.0, 1.0) };
+    assert!(time_joints(&path, &few, &TopOptions::default(), &mut Demands::default()).is_err());
+    let none = time_joints(&path, &JointLimits::default(), &TopOptions::default(), &mut Demands::default());
+    assert!(matches!(none, Err(PlanError::BadParameter { .. })), "{none:?}");
+    let still = Path::through(&[1.0, 2.0, 3.0, 1.0, 2.0, 3.0], 3).unwrap();
+    let motion = fastest(&still, &usual(), &TopOptions::default());
+    assert_eq!((motion.duration(), motion.at(1.0).joints[0].clone()), (0.0, vec![1.0, 2.0, 3.0]));
+    let mut broken =
+        Demands { names: vec![], rows: Some(Box::new(|s: &[f64]| Ok(Rows { a: vec![f64::NAN; s.len()], ..loaded(s, 1.0) }))), ceiling: None };
+    assert!(matches!(time_joints(&path, &usual(), &TopOptions::default(), &mut broken), Err(PlanError::BadParameter { .. })));
+    for scale in [1e-9, 1e-3, 1e6] {
+        let points: Vec<f64> = (0..18).map(|i| scale * f64::from(i * i % 7)).collect();
+        let motion = fastest(&Path::through(&points, 3).unwrap(), &limits(1e3, 1e3), &TopOptions::default());
+        assert!(motion.duration() > 0.0 && motion.duration().is_finite() && motion.report.excess <= 1e-6, "{scale}");
+    }
+}

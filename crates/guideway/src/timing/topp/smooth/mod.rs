@@ -15,6 +15,7 @@ use super::limits::Bounds;
 use super::motion::Leg;
 use super::problem::Demands;
 use super::solve::Solved;
+use super::windows::Window;
 use crate::error::PlanError;
 use crate::timing::Piece;
 use crate::timing::scurve::advance;
@@ -53,6 +54,29 @@ pub(super) struct Smooth {
     pub steps: usize,
     pub tightenings: usize,
     pub slowed: f64,
+}
+
+impl Smooth {
+    /// Slows the motion down as a whole until the windows at its end are met.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for windows on the way, [`PlanError::Infeasible`] for an end that cannot be reached in time.
+    pub fn wait(&mut self, windows: &[Window], length: f64) -> Result<(), PlanError> {
+        for window in windows {
+            if window.s < length {
+                return Err(PlanError::bad("windows", window.s, format!("{length} rad, the end of the path, where the limits of jerk are kept")));
+            }
+            let time = self.pieces.last().map_or(0.0, |p| p.start() + p.duration());
+            if time < window.earliest {
+                let factor = window.earliest / time;
+                pieces::slowed(&mut self.pieces, factor);
+                for u in &mut self.used {
+                    *u = [u[0] / factor, u[1] / factor.powi(2), u[2] / factor.powi(3), u[3]];
+                }
+            }
+            window.met(time.max(window.earliest))?;
+        }
+        Ok(())
+    }
 }
 
 /// What the problem of a stretch is made of.

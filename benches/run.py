@@ -18,6 +18,7 @@ STEPS = {
     "Ant colonies beside aco-routing": [sys.executable, "benches/colonies.py"],
     "Optimizers beside pygmo and SciPy": [sys.executable, "benches/optimizers.py"],
     "Candidates of continuous planners": ["cargo", "run", "--quiet", "--release", "--package", "guideway", "--example", "curves"],
+    "Time-optimal timing of joints beside copp-py and toppra": [sys.executable, "benches/topp.py"],
     "The whole plan of a warehouse": [sys.executable, "benches/whole_plan.py"],
 }
 

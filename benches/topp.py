@@ -2,9 +2,9 @@
 
 python benches/topp.py [--intervals 1000] [--paths 5] [--reps 7] [--cpp BINARY]    # peers: pip install copp-py toppra
 
-Speed and acceleration (and jerk) limits, the same paths, CPU time of one thread, in one run. BINARY: a program around toppra's C++ library that takes a
-file with the coefficients of a spline, the number of intervals, the solver and the number of repetitions, and prints `ok SETUP SOLVE` (ms) and the
-squared speeds.
+Speed and acceleration (and jerk) limits, the same paths, CPU time of one thread, in one run. BINARY: a program around toppra's C++
+library that takes a file with the coefficients of a spline, the number of intervals, the solver and the number of repetitions, and
+prints `ok SETUP SOLVE` (ms) and the squared speeds.
 """
 
 from __future__ import annotations
@@ -190,9 +190,8 @@ def main() -> int:
     }
     if args.cpp:
         peers["toppra seidel (C++)"] = lambda spline, s, reps: library(spline, s, reps, args.cpp)
-    print(
-        f"{args.paths} splines through 10 points, {args.intervals} intervals, CPU ms of a solution (median), mean duration, largest excess between grid points\n"
-    )
+    print(f"{args.paths} splines through 10 points, {args.intervals} intervals; CPU ms of a solution (median), mean duration,")
+    print("largest excess between grid points\n")
     print("| method | ms | duration s | excess % |\n|---|---|---|---|")
     for name, run in (ours if args.no_peers else ours | peers).items():
         try:

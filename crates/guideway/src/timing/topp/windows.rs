@@ -74,9 +74,8 @@ pub(super) fn delay(
         for k in 0..free.len() {
             problem.ceiling[k] = if inside(problem.s[k]) { before[k].min(factor * free[k]) } else { before[k] };
         }
-        for k in 0..bend.len() {
-            problem.bend[k] = if inside(0.5 * (problem.s[k] + problem.s[k + 1])) { factor * bend[k] } else { bend[k] };
-        }
+        let middles = problem.s.windows(2).map(|w| 0.5 * (w[0] + w[1]));
+        problem.bend = middles.zip(&bend).map(|(s, bend)| if inside(s) { factor * bend } else { *bend }).collect();
         solve(problem)
     };
     let (mut slow, mut fast) = (LEAST, 1.0f64);

@@ -184,7 +184,7 @@ fn windowed(rows: Option<Vec<Vec<f64>>>, duration: Option<f64>) -> Result<Vec<Wi
 /// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk.
 /// `windows`: rows of place (rad), earliest and, if need be, latest time (s) to pass it; `duration` (s): not faster than that in all. Raises `Infeasible` with the limit and the place.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=4e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
+#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=3e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time_joints(
     py: Python<'_>,

@@ -33,9 +33,13 @@ use crate::path::Path;
 use crate::timing::Piece;
 use check::Binding;
 use course::Course;
+use grid::Grid;
 use serde::Serialize;
 use smooth::{Smooth, Task};
 use solve::{Solved, Solver};
+
+/// Spans on which the jerk-limited version finds its places on the path.
+const WALK: usize = 2500;
 
 /// How the profile on a grid is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -77,7 +81,7 @@ impl Default for TopOptions {
             start_speed: 0.0,
             end_speed: 0.0,
             grid: None,
-            tolerance: 4e-4,
+            tolerance: 3e-4,
             check: 20,
             windows: Vec::new(),
             jerk: false,
@@ -140,7 +144,8 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
         return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3"));
     }
     let mut task = Task { course: &course, bounds: &bounds, demands, cells: options.grid, check: options.check };
-    let mut smooth = task.solve(&solved, &solved.grid.spans)?;
+    // Places are found on spans of their own: where the path turns sharply those of a given grid are too long for it.
+    let mut smooth = task.solve(&solved, &Grid::initial(&course, WALK, false).spans)?;
     smooth.wait(&options.windows, path.length())?;
     Ok(smoothed(&motion, smooth))
 }

@@ -29,7 +29,6 @@ const FEW: usize = 6;
 
 /// A profile on a grid, and how it was found.
 pub(super) struct Solved {
-    pub grid: Grid,
     pub problem: Problem,
     pub x: Vec<f64>,
     pub legs: Vec<Leg>,
@@ -73,7 +72,7 @@ impl Solver<'_, '_> {
         for window in windows {
             window.met(arrival(&problem, &x, window.s).max(window.earliest))?;
         }
-        Ok(Solved { grid, problem, x, legs, used, report })
+        Ok(Solved { problem, x, legs, used, report })
     }
 
     /// Slows the motion down where it would be early; returns the windows in the order of their places.

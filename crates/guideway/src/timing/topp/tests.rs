@@ -159,6 +159,22 @@ fn jerk_limited_motions_keep_every_limit_and_cost_little() {
     }
 }
 
+/// Even parameters make sharp turns where points are close: there a place is hard to find by its arc length.
+#[test]
+fn limits_of_jerk_hold_in_sharp_turns() {
+    let limits = with_jerk(usual(), 1e4f64.to_radians());
+    for seed in 20..24 {
+        let points = random_path(seed, 10, 6);
+        let even: Vec<f64> = (0..points.count()).map(|i| i as f64).collect();
+        let path = Path::through_at(points.control(), 6, &even).unwrap();
+        for grid in [None, Some(600)] {
+            let motion = fastest(&path, &limits, &TopOptions { grid, jerk: true, ..TopOptions::default() });
+            let used = worst_jerk(&motion, &limits, 10);
+            assert!(used.iter().all(|used| *used <= 1.0 + 1e-6), "seed {seed} {grid:?}: {used:?}");
+        }
+    }
+}
+
 #[test]
 fn jerk_limited_straight_lines_are_s_curves() {
     use crate::timing::scurve::{Bounds, Jerks, SCurve};

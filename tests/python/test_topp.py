@@ -66,9 +66,9 @@ def oracle(s, top, a, b, bound, levels):
 
 def test_profiles_on_a_lattice_of_speeds_are_as_fast():
     # On a given grid the greedy pass is the optimum but for places where a joint turns back; the lattice is coarse the other way.
-    for seed in range(6):
+    for seed in range(3):
         path = spline(seed, points=4, joints=2)
-        s = np.linspace(0, path.length, 25)
+        s = np.linspace(0, path.length, 41)
         q = path.eval(s, 2)
         a, b = np.ascontiguousarray(q[1]), np.ascontiguousarray(q[2])
         top = np.minimum(1 / np.max((a / 3.0) ** 2, axis=1), 40.0)
@@ -81,8 +81,8 @@ def test_profiles_on_a_lattice_of_speeds_are_as_fast():
             values = a[shift : len(u) + shift] * u[:, None] + b[shift : len(u) + shift] * x[shift : len(u) + shift, None]
             assert np.abs(values).max() <= 12.0 * (1 + 1e-9)
         duration = np.sum(2 * np.diff(s) / (np.sqrt(x[:-1]) + np.sqrt(x[1:])))
-        found = oracle(s, top, a, b, 12.0, 600)
-        assert 0.96 * duration < found < 1.04 * duration, seed
+        found = oracle(s, top, a, b, 12.0, 900)
+        assert 0.95 * duration < found < 1.05 * duration, seed
 
 
 def test_limits_hold_between_grid_points_on_random_splines():

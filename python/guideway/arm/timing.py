@@ -186,5 +186,5 @@ def demands(arm: Arm | None, path: _core.Path, limits: JointLimits) -> tuple[Any
 
 def _motion(found: Any, path: JointPath, limits: JointLimits, arm: Arm | None, method: str, smooth: bool) -> ArmMotion:
     grid = {"s": np.asarray(found.s), "x": np.asarray(found.x), "mvc": np.asarray(found.mvc), "active": list(found.active)}
-    report = {"method": method, "jerk": smooth, "solver": found.report, "price": dict(getattr(found, "price", None) or {})}
+    report = {"method": method, "jerk": smooth, "solver": found.report, "price": [list(row) for row in getattr(found, "price", None) or []]}
     return ArmMotion(path, pieces_of(found.pieces), limits, arm, grid, report)

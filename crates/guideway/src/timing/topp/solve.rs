@@ -19,6 +19,8 @@ const MOST: usize = 4000;
 /// Rounds of refinement, of tightening, of tangents to the square root.
 const ROUNDS: usize = 7;
 const TIGHTENINGS: usize = 30;
+/// Most times that the whole motion is slowed down.
+const SLOWINGS: usize = 4;
 /// Excess that is removed by slowing the whole motion down, where it starts and ends at rest.
 const SMALL: f64 = 2e-5;
 const TANGENTS: usize = 30;
@@ -153,7 +155,10 @@ impl Solver<'_, '_> {
             report.excess = report.first_excess;
             return Ok((legs, used));
         }
-        for _ in 0..TIGHTENINGS {
+        for round in 0..TIGHTENINGS {
+            if round == TIGHTENINGS / 3 {
+                places = full;
+            }
             let most = excess(&used);
             if most <= CLEAN || (most <= SMALL && scales) {
                 if places == full {
@@ -167,10 +172,14 @@ impl Solver<'_, '_> {
             }
             (legs, used) = self.check(grid, problem, x, places)?;
         }
-        if excess(&used) > CLEAN && scales {
+        for _ in 0..if scales { SLOWINGS } else { 0 } {
+            if places == full && excess(&used) <= CLEAN {
+                break;
+            }
+            places = full;
             let factor = used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
             x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
-            report.slowed = factor.sqrt();
+            report.slowed = report.slowed.max(1.0) * factor.sqrt();
             (legs, used) = self.check(grid, problem, x, full)?;
         }
         report.excess = excess(&used);

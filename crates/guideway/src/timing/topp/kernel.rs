@@ -27,23 +27,31 @@ pub fn kernel(s: &[f64], ceiling: &[f64], rows: &Rows, ends: [f64; 2]) -> Result
         strips.fill(rows);
         return strips.fastest(ends).map_err(infeasible);
     }
-    let mut x: Vec<f64> = ceiling.iter().map(|x| 0.25 * x).collect();
+    // First the chord from rest to the ceiling, which is right at rest, then tangents.
+    let mut x: Option<Vec<f64>> = None;
     let mut linear = Rows { d: Vec::new(), ..rows.clone() };
     for _ in 0..30 {
         for (i, d) in rows.d.iter().enumerate() {
-            let k = i / rows.count;
-            let root = x[k].max(1e-9 * ceiling[k]).max(f64::MIN_POSITIVE).sqrt();
-            linear.b[i] = rows.b[i] + 0.5 * d / root;
-            linear.c[i] = rows.c[i] + 0.5 * d * root;
+            let (k, least) = (i / rows.count, f64::MIN_POSITIVE);
+            let [level, rate] = match &x {
+                None => [0.0, 1.0 / ceiling[k].max(least).sqrt()],
+                Some(x) => {
+                    let root = x[k].max(1e-9 * ceiling[k]).max(least).sqrt();
+                    [0.5 * root, 0.5 / root]
+                }
+            };
+            linear.b[i] = rows.b[i] + d * rate;
+            linear.c[i] = rows.c[i] + d * level;
         }
         strips = Strips::new(s, ceiling.to_vec(), 2 * rows.count);
         strips.fill(&linear);
         let next = strips.fastest(ends).map_err(infeasible)?;
-        let change = next.iter().zip(&x).map(|(a, b)| (a - b).abs() / (a + b + f64::MIN_POSITIVE)).fold(0.0, f64::max);
-        x = next;
-        if change < 1e-10 {
+        let change = |x: &Vec<f64>| next.iter().zip(x).map(|(a, b)| (a - b).abs() / (a + b + f64::MIN_POSITIVE)).fold(0.0, f64::max);
+        let settled = x.as_ref().is_some_and(|x| change(x) < 1e-10);
+        x = Some(next);
+        if settled {
             break;
         }
     }
-    Ok(x)
+    Ok(x.unwrap_or_default())
 }

@@ -11,6 +11,11 @@ use super::rows::Rows;
 pub(super) const LANES: usize = 4;
 /// Share of the size of `u` that counts as rounding.
 const ROUNDING: f64 = 1e-12;
+/// Share of `x` by which a step beside a bound of `x` keeps off it.
+const ASIDE: f64 = 8.0 * f64::EPSILON;
+/// Coefficients of `u` below this share of that of `x` times the reach count as none: over an interval `u` then changes the limit by less than 1e-7 of what
+/// `x` does, while a line so steep would round to anything.
+const STEEP: f64 = 1e-7;
 /// Coefficients of `u` below this are none.
 const NOTHING: f64 = 1e-140;
 
@@ -74,7 +79,7 @@ impl Strips {
     pub fn set(&mut self, k: usize, i: usize, limit: Limit) {
         let Limit { a, b, c, low, high } = limit;
         let at = k * self.width + i;
-        if a.abs() < NOTHING {
+        if a.abs() < self.least(k, b) {
             (self.slope[at], self.low[at], self.high[at]) = (0.0, f64::NEG_INFINITY, f64::INFINITY);
             return self.bound(k, b, low - c, high - c);
         }
@@ -83,6 +88,12 @@ impl Strips {
         self.slope[at] = b * inverse;
         (self.low[at], self.high[at]) = if a > 0.0 { (p, q) } else { (q, p) };
         self.rests[k] &= self.low[at] <= 0.0 && self.high[at] >= 0.0;
+    }
+
+    /// Coefficients of `u` below this leave a bound of `x` alone, where that of `x` is `b`.
+    #[inline]
+    fn least(&self, k: usize, b: f64) -> f64 {
+        (STEEP * self.reach[k] * b.abs()).max(NOTHING)
     }
 
     /// Bounds `x` at a node by `low <= b x <= high`.
@@ -101,7 +112,7 @@ impl Strips {
     /// All lines of an interval at once from rows at its two ends; `end` counts at the far one.
     pub fn set_ends(&mut self, k: usize, [start, end]: [Columns; 2]) {
         let rows = start.a.len();
-        let far = self.reach[k];
+        let (far, steep) = (self.reach[k], STEEP * self.reach[k]);
         let base = k * self.width;
         let (mut regular, mut rests) = (true, true);
         for (offset, columns, far) in [(base, start, 0.0), (base + rows, end, far)] {
@@ -112,7 +123,7 @@ impl Strips {
             let (a, b, c, bottom, top) = (&a[..rows], &b[..rows], &c[..rows], &bottom[..rows], &top[..rows]);
             for i in 0..rows {
                 let by = a[i] + far * b[i];
-                regular &= by.abs() >= NOTHING;
+                regular &= by.abs() >= (steep * b[i].abs()).max(NOTHING);
                 let inverse = 1.0 / by;
                 let (p, q) = ((bottom[i] - c[i]) * inverse, (top[i] - c[i]) * inverse);
                 slope[i] = b[i] * inverse;
@@ -226,14 +237,19 @@ impl Strips {
                 // A long step rounds to the size of where it began; the next one must still come from above.
                 step += 4.0 * f64::EPSILON * x;
             }
-            // The gap is convex: where it does not fall towards the other end, there is nothing; where the step ends beyond, nothing either.
+            if step == x {
+                // A line so steep that it bounds x alone rounds to anything beside its own bound: it does not count a little further on.
+                step *= if upper { 1.0 - ASIDE } else { 1.0 + ASIDE };
+            }
+            // The gap is convex: where it does not fall towards the other end, there is nothing; where the step ends beyond, nothing either. From below it is
+            // known that there is something, so there only rounding is left.
             let falls = if upper { rate > 0.0 } else { rate < 0.0 };
             let inside = if upper { step >= last } else { step <= last };
+            if !falls && !upper {
+                return Some(x);
+            }
             if !falls || x == last {
                 return None;
-            }
-            if step == x {
-                return Some(x);
             }
             x = if inside { step } else { last };
         }

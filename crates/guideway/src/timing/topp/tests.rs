@@ -307,3 +307,53 @@ fn hostile_limits_are_refused_and_nothing_to_do_is_done() {
         assert!(motion.duration() > 0.0 && motion.duration().is_finite() && motion.report.excess <= 1e-6, "{scale}");
     }
 }
+
+#[test]
+fn rows_that_hardly_have_an_acceleration_bound_the_speed() {
+    // |u| <= 10, and x <= 3 by a row whose coefficient of u is rounding.
+    let n = 100;
+    let s: Vec<f64> = (0..=n).map(|k| f64::from(k) / f64::from(n)).collect();
+    for tiny in [0.0, 1e-19, -3e-19, 1e-16, -1e-13] {
+        let places = s.len();
+        let rows = Rows {
+            count: 2,
+            a: [1.0, tiny].repeat(places),
+            b: [0.0, 0.7].repeat(places),
+            c: vec![0.0; 2 * places],
+            low: [-10.0, -5.0].repeat(places),
+            high: [10.0, 2.1].repeat(places),
+            ..Rows::default()
+        };
+        let x = kernel(&s, &vec![100.0; places], &rows, [0.0; 2]).unwrap();
+        for (k, (s, x)) in s.iter().zip(&x).enumerate() {
+            let exact = (20.0 * s.min(1.0 - s)).min(3.0);
+            assert!((x - exact).abs() < 1e-9, "{tiny} {k}: {x} {exact}");
+        }
+    }
+}
+
+#[test]
+fn viscous_rows_near_the_static_limit_have_a_motion() {
+    // Gravity takes 99 % of the upper bound, friction grows with speed.
+    let n = 200;
+    let s: Vec<f64> = (0..=n).map(|k| f64::from(k) / f64::from(n)).collect();
+    let places = s.len();
+    let rows = Rows {
+        count: 1,
+        a: vec![1.0; places],
+        b: vec![0.0; places],
+        c: vec![9.9; places],
+        d: vec![0.5; places],
+        low: vec![-10.0; places],
+        high: vec![10.0; places],
+    };
+    let x = kernel(&s, &vec![4.0; places], &rows, [0.0; 2]).unwrap();
+    for k in 0..n as usize {
+        let u = (x[k + 1] - x[k]) / (2.0 * (s[k + 1] - s[k]));
+        for x in [x[k], x[k + 1]] {
+            let demand = u + 9.9 + 0.5 * x.sqrt();
+            assert!(demand <= 10.0 + 1e-6 && demand >= -10.0 - 1e-6, "{k}: {demand}");
+        }
+    }
+    assert!(x[100] > 0.03, "{}", x[100]);
+}

@@ -116,3 +116,12 @@ def test_torque_rate_is_kept(arm, star_path):
     motion = gw.arm.time(star_path, limits(10, torque_rate=400.0), arm.with_friction(None))
     checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
     assert 0.9 < checks["torque_rate"] <= 1 + 1e-6
+
+
+@pytest.mark.parametrize(("payload", "duration"), [(0, 2.0696), (3, 2.0708), (5, 2.2999)])
+def test_torque_limits_with_friction_give_the_reference_values(star_path, payload, duration):
+    arm = arm_for(gw.arm.robot("ur5e", friction=gw.arm.REFERENCE_FRICTION), gw.arm.star()).with_payload(float(payload))
+    motion = gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm)
+    assert motion.duration == pytest.approx(duration, rel=0.005)
+    assert motion.report["method"] == "reachability"
+    assert motion.report["certificate"]["ok"]

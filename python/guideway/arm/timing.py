@@ -64,7 +64,7 @@ def time(
     if smooth and asked.jerk is None and asked.torque_rate is not None and arm is not None:
         solved = replace(asked, jerk=_jerk_of_rate(arm, given, asked))
     began = perf_counter()
-    found = _solve(given, solved, method, smooth, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
+    found, method = _solve(given, solved, method, smooth, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
     motion = _motion(found, given, asked, arm, method, smooth)
     motion.report["seconds"] = perf_counter() - began
     if smooth and asked.torque_rate is not None and arm is not None:
@@ -77,8 +77,8 @@ def time(
     return motion
 
 
-def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, demanded: Any, *others: Any) -> Any:
-    """The core's solver; what it need not know of is left out."""
+def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, demanded: Any, *others: Any) -> tuple[Any, str]:
+    """The core's solver, and the method that found the motion; what it need not know of is left out."""
     core: Any = _core
     rows, names, ceiling = demanded
     words: dict[str, Any] = dict(zip(("start_speed", "end_speed", "grid", "windows", "observe"), others, strict=True))
@@ -93,12 +93,12 @@ def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, deman
     limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
     demanded = {"rows": rows, "row_names": names, "ceiling": ceiling}
     try:
-        return core.time_joints(path.path, limits, method=method, **demanded, **words)
+        return core.time_joints(path.path, limits, method=method, **demanded, **words), method
     except Infeasible as first:
         if rows is None or method == "bisection":
             raise
         try:  # the other method may still find a way: it does not need intervals of speeds
-            return core.time_joints(path.path, limits, method="bisection", **demanded, **words)
+            return core.time_joints(path.path, limits, method="bisection", **demanded, **words), "bisection"
         except (Infeasible, CertificateFailed):
             raise first from None
 

@@ -352,7 +352,7 @@ fn viscous_rows_near_the_static_limit_have_a_motion() {
         let u = (x[k + 1] - x[k]) / (2.0 * (s[k + 1] - s[k]));
         for x in [x[k], x[k + 1]] {
             let demand = u + 9.9 + 0.5 * x.sqrt();
-            assert!(demand <= 10.0 + 1e-6 && demand >= -10.0 - 1e-6, "{k}: {demand}");
+            assert!((-10.0 - 1e-6..=10.0 + 1e-6).contains(&demand), "{k}: {demand}");
         }
     }
     assert!(x[100] > 0.03, "{}", x[100]);

@@ -29,7 +29,8 @@ def test_ways_keep_off_where_there_is_room(planner: str) -> None:
     soft = gw.Query(room, START, GOAL, clearance=0.05, soft_clearance=(0.6, 4.0))
     near, far = (gw.plan(query, planner, seed=0) for query in (hard, soft))
     assert nearest(near.path, room) < 0.2 < 0.45 < nearest(far.path, room)
-    assert far.cost >= far.length >= near.length
+    assert far.cost >= far.length - 1e-9
+    assert far.length >= near.length
     assert near.cost == near.length
     assert soft.soft_clearance == (0.6, 4.0)
     assert hard.soft_clearance is None
@@ -40,7 +41,7 @@ def test_ways_keep_off_where_there_is_room(planner: str) -> None:
 def test_command_and_record(tmp_path, capsys) -> None:
     scene = tmp_path / "room.toml"
     scene.write_text(
-        "[world]\nbounds = [0, 0, 8, 4]\nobstacles = [{ polygon = [[3, 0], [5, 0], [5, 2], [3, 2]] }]\n"
+        "[world]\nbounds = [0, 0, 8, 4]\n[[polygon]]\npoints = [[3, 0], [5, 0], [5, 2], [3, 2]]\n"
         "[query]\nstart = [0.25, 2.15]\ngoal = [7.75, 2.15]\nclearance = 0.05\nsoft_clearance = [0.6]\n"
     )
     out = tmp_path / "plan.json"
@@ -49,7 +50,7 @@ def test_command_and_record(tmp_path, capsys) -> None:
     assert record["planner"] == "astar"
     assert record["query"]["soft_clearance"] == [0.6, 2.0]
     assert record["metrics"]["min_clearance"] > 0.4
-    assert record["certificate"]["free"]
+    assert record["certificate"]["ok"]
     assert main(["plan", str(scene), "--soft-clearance", "0,0", "--out", str(out)]) == 0
     assert json.loads(out.read_text())["metrics"]["min_clearance"] < 0.2
     capsys.readouterr()

@@ -125,3 +125,14 @@ def test_torque_limits_with_friction_give_the_reference_values(star_path, payloa
     assert motion.duration == pytest.approx(duration, rel=0.005)
     assert motion.report["method"] == "reachability"
     assert motion.report["certificate"]["ok"]
+
+
+def test_windows_say_when_places_are_passed(star_path):
+    middle = 0.5 * star_path.path.length
+    free, late = (gw.arm.time(star_path, limits(10), windows=rows) for rows in ((), [(middle, 3.0)]))
+    assert late.grid["s"][-1] == free.grid["s"][-1]
+    times = np.linspace(0.0, late.duration, 4001)
+    passed = np.interp(middle, late.sample(times=times)["s"], times)
+    assert 3.0 - 1e-3 <= passed <= 3.01
+    assert late.report["certificate"]["ok"]
+    assert late.duration > free.duration

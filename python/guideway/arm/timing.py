@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -36,8 +36,7 @@ def time(
     start_speed: float = 0.0,
     end_speed: float = 0.0,
     grid: int | None = None,
-    windows: Any = None,
-    observe: Callable[[dict[str, Any]], bool] | None = None,
+    windows: Sequence[Sequence[float]] = (),
     check: bool = True,
 ) -> ArmMotion:
     """The fastest motion along a path of joints under the limits.
@@ -45,8 +44,8 @@ def time(
     ``path``: a joint path, or with ``arm`` a tool path, a file of way points, way points (n, joints). ``limits`` are filled up from the robot's
     description, the acceleration by :data:`guideway.arm.limits.ACCELERATION`. ``torque``: whether torques count (default: where limits state
     them; with True the robot's own, where they do not). ``jerk``: whether jerk and torque rate count (default: where limits state them).
-    ``start_speed`` and ``end_speed`` are path speeds, rad/s; ``grid`` fixes the number of points (default: chosen by error); ``windows`` bound the
-    time at places, as :func:`guideway._core.time_joints` takes them. With ``check`` the result is certified against all limits.
+    ``start_speed`` and ``end_speed`` are path speeds, rad/s; ``grid`` fixes the number of points (default: chosen by error); ``windows``, rows
+    (s in rad, earliest in s) or (s, earliest, latest), say when places may be passed. With ``check`` the result is certified against all limits.
 
     Raises ``BadParameter``, ``NoPath``, ``Infeasible`` (static overload, boundary speeds, windows), ``CertificateFailed``.
     """
@@ -64,7 +63,8 @@ def time(
     if smooth and asked.jerk is None and asked.torque_rate is not None and arm is not None:
         solved = replace(asked, jerk=_jerk_of_rate(arm, given, asked))
     began = perf_counter()
-    found, method = _solve(given, solved, method, smooth, (rows, names, ceiling), start_speed, end_speed, grid, windows, observe)
+    words = {"start_speed": start_speed, "end_speed": end_speed, "grid": grid, "windows": [list(row) for row in windows] or None}
+    found, method = _solve(given, solved, method, smooth, (rows, names, ceiling), words)
     motion = _motion(found, given, asked, arm, method, smooth)
     motion.report["seconds"] = perf_counter() - began
     if smooth and asked.torque_rate is not None and arm is not None:
@@ -77,28 +77,20 @@ def time(
     return motion
 
 
-def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, demanded: Any, *others: Any) -> tuple[Any, str]:
-    """The core's solver, and the method that found the motion; what it need not know of is left out."""
+def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, demanded: Any, words: dict[str, Any]) -> tuple[Any, str]:
+    """The core's solver, and the method that found the motion."""
     core: Any = _core
     rows, names, ceiling = demanded
-    words: dict[str, Any] = dict(zip(("start_speed", "end_speed", "grid", "windows", "observe"), others, strict=True))
-    words = {key: value for key, value in words.items() if value is not None} | ({"jerk": True} if smooth else {})
-    known = core.time_joints.__text_signature__ or ""
-    for word in list(words):
-        if word == "observe" and "observe=" not in known:
-            del words[word]  # it only shows how the search goes on
-        elif f"{word}=" not in known:
-            raise BadParameter(f"{word} is not kept by the solver of this version: leave it out")
     counts = ("speed", "acceleration", "deceleration", *(("jerk",) if smooth else ()))
     limits = {key: value for key, value in asked.to_dict(len(path.names)).items() if key in counts}
-    demanded = {"rows": rows, "row_names": names, "ceiling": ceiling}
+    words = words | {"rows": rows, "row_names": names, "ceiling": ceiling, "jerk": smooth}
     try:
-        return core.time_joints(path.path, limits, method=method, **demanded, **words), method
+        return core.time_joints(path.path, limits, method=method, **words), method
     except Infeasible as first:
         if rows is None or method == "bisection":
             raise
         try:  # the other method may still find a way: it does not need intervals of speeds
-            return core.time_joints(path.path, limits, method="bisection", **demanded, **words), "bisection"
+            return core.time_joints(path.path, limits, method="bisection", **words), "bisection"
         except (Infeasible, CertificateFailed):
             raise first from None
 

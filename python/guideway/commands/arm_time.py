@@ -149,17 +149,7 @@ def nurbs_of(text: str) -> Nurbs:
 def _time(arguments: argparse.Namespace, arm: Arm, path: JointPath, limits: JointLimits) -> ArmMotion:
     from guideway import arm as arms
 
-    with options.progress_bar() as observe:
-        return arms.time(
-            path,
-            limits,
-            arm,
-            method=arguments.method,
-            torque=True if arguments.torque else None,
-            grid=arguments.grid,
-            observe=observe,
-            check=False,
-        )
+    return arms.time(path, limits, arm, method=arguments.method, torque=True if arguments.torque else None, grid=arguments.grid, check=False)
 
 
 def _fastest(arguments: argparse.Namespace, arm: Arm, nurbs: Nurbs, limits: JointLimits) -> JointPath:

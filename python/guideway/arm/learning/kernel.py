@@ -13,8 +13,6 @@ Floats = NDArray[np.float64]
 FEW, MANY, ROUNDS = 4, 10, 12
 SETTLED = 1e-6
 """Rounds end when no squared speed changes by more than this share of the largest one."""
-NOTHING = 1e-9
-"""Coefficients below this are those of a joint that does not move: they are rounding."""
 
 
 def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats], low: Floats, high: Floats, guess: Floats | None = None) -> Floats:
@@ -24,7 +22,7 @@ def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats
     The root is replaced by its tangent at the result of the round before, which settles fast. Chords from 0 come first where there is no guess, and
     all the way where a tangent fails (it asks for too much at a place that has become much slower): they halve the error of a round, and never fail.
     """
-    a, b, d, c = (np.where(np.abs(part) < NOTHING, 0.0, part) for part in rows)
+    a, b, d, c = rows
     low, high = (np.ascontiguousarray(np.broadcast_to(bound, a.shape)) for bound in (low, high))
     if not d.any():
         return np.asarray(_core.topp_kernel(s, ceiling, a, b, c, low, high))

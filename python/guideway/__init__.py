@@ -69,7 +69,7 @@ from guideway.errors import (
 from guideway.records import Box, Budget, Disc, Limits, Polygon, progress
 
 if TYPE_CHECKING:
-    from guideway import arm, io, plants, scenes, schemas, view
+    from guideway import arm, io, lab, plants, scenes, schemas, view
     from guideway.driving import drive
 
 __all__ = [
@@ -113,6 +113,7 @@ __all__ = [
     "drive",
     "errors",
     "io",
+    "lab",
     "lattice_optimum",
     "measure",
     "minimize",
@@ -139,7 +140,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads the heavier parts when they are first used: a quick start matters on the command line."""
-    if name in ("arm", "io", "plants", "scenes", "schemas", "view"):
+    if name in ("arm", "io", "lab", "plants", "scenes", "schemas", "view"):
         return importlib.import_module(f"guideway.{name}")
     if name == "drive":
         from guideway.driving import drive

@@ -1,0 +1,163 @@
+"""Whether a claim holds: the test that the experiment names, the numbers that decided it, and the reason in a sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .cells import Cell, Grid, pairs
+from .experiment import Claim, Metric
+from .statistics import describe, holm, paired, success
+
+HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be judged"
+LEAST_PAIRS = 6
+"""With fewer pairs that differ no two-sided signed-rank test reaches 5 %."""
+
+
+def judge(grid: Grid, claim: Claim) -> dict[str, Any]:
+    """Verdict, reason and numbers of one claim, as in summary.json."""
+    tests = {"lower": ordering, "higher": ordering, "within": within, "share": share}
+    verdict, reason, found = (OPEN, claim.reason or "no test is named", {}) if claim.test not in tests else tests[claim.test](grid, claim)
+    head = {name: getattr(claim, name) for name in ("says", "table", "test", "metric", "method", "value", "tolerance", "alpha")}
+    return head | {"than": list(claim.than), "worlds": list(claim.worlds), "verdict": verdict, "reason": reason, "numbers": found}
+
+
+def chosen(grid: Grid, claim: Claim, method: str) -> list[Cell | None]:
+    """The cells of a method on the worlds that a claim names."""
+    return [grid.cell(instance, method) for instance in grid.instances if not claim.worlds or instance[0] in claim.worlds]
+
+
+def missing(grid: Grid, claim: Claim) -> str | None:
+    """Why there is nothing to judge, if so."""
+    for method in (claim.method, *claim.than):
+        cells = [cell for cell in chosen(grid, claim, method) if cell]
+        if not cells:
+            return f"there are no runs of {method}"
+        if claim.metric != "success" and not any(cell.values(claim.metric) for cell in cells):
+            return f"no certified run of {method} has a value of {claim.metric}"
+    return None
+
+
+def ordering(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
+    """Lower or higher than each of the others: signed ranks of paired runs, corrected by Holm, and no world that says the opposite."""
+    lack = missing(grid, claim) or ("it names no method to compare with" if not claim.than else None)
+    if lack:
+        return OPEN, lack, {}
+    rows = [against(grid, claim, other) for other in claim.than]
+    for row, p in zip(rows, holm([row["p"] for row in rows]), strict=True):
+        row["p_holm"] = p
+        row["verdict"], row["reason"] = verdict_of(row, claim)
+        if not row["same_model"]:
+            row["reason"] += " (their models differ, and so do the optima)"
+    found = {"comparisons": rows}
+    poor = [row for row in rows if row["verdict"] == FAILS]
+    unknown = [row for row in rows if row["verdict"] == OPEN]
+    decisive = poor or unknown or rows
+    words = "; ".join(f"{row['than']}: {row['reason']}" for row in decisive)
+    return (FAILS if poor else OPEN if unknown else HOLDS), words, found
+
+
+def against(grid: Grid, claim: Claim, other: str) -> dict[str, Any]:
+    """One comparison over all worlds of a claim, and the worlds where it goes the other way."""
+    mine, theirs = chosen(grid, claim, claim.method), chosen(grid, claim, other)
+    both = pairs(mine, theirs, claim.metric)
+    found = paired([a for a, _ in both], [b for _, b in both], claim.test == "lower")
+    exact = bool(both) and all(a and b and a.constant(claim.metric) and b.constant(claim.metric) for a, b in zip(mine, theirs, strict=True) if a and b)
+    reversed_on = [a.world for a, b in zip(mine, theirs, strict=True) if a and b and opposite(a, b, claim)]
+    alike = not any(grid.unlike(a, b, claim.metric) for a, b in zip(mine, theirs, strict=True))
+    return {"than": other, **found.to_dict(), "deterministic": exact, "reversed_on": reversed_on, "same_model": alike}
+
+
+def opposite(mine: Cell, theirs: Cell, claim: Claim) -> bool:
+    """Whether the opposite of a claim is significant on one world (or certain, where nothing depends on the seed)."""
+    both = pairs([mine], [theirs], claim.metric)
+    found = paired([a for a, _ in both], [b for _, b in both], claim.test == "lower")
+    if mine.constant(claim.metric) and theirs.constant(claim.metric):
+        return found.losses > 0
+    return found.p is not None and found.p < claim.alpha and found.losses > found.wins
+
+
+def verdict_of(row: Mapping[str, Any], claim: Claim) -> tuple[str, str]:
+    """Verdict and reason of one comparison."""
+    pairs_, ties, wins, losses = (row[name] for name in ("pairs", "ties", "wins", "losses"))
+    count = f"{claim.test} in {wins} of {pairs_} pairs, equal in {ties}"
+    if not pairs_:
+        return OPEN, "no seed on which both succeed"
+    if row["deterministic"]:
+        if wins == pairs_:
+            return HOLDS, f"{claim.test} on every world; nothing depends on the seed"
+        return FAILS, f"{count}; nothing depends on the seed"
+    if ties == pairs_ and pairs_ >= LEAST_PAIRS:
+        return FAILS, f"equal in all {pairs_} pairs"
+    if wins + losses < LEAST_PAIRS:
+        return (FAILS, f"{count}: it makes hardly a difference") if ties >= 4 * LEAST_PAIRS else (OPEN, f"{count}: too few for a test")
+    statistics = f"p = {short(row['p_holm'])} (Holm), A12 = {row['a12']:.3f}"
+    if row["p_holm"] < claim.alpha and wins > losses:
+        if row["reversed_on"]:
+            return FAILS, f"{count}, {statistics}, but the other way on {', '.join(row['reversed_on'][:3])}"
+        return HOLDS, f"{count}, {statistics}"
+    return FAILS, f"{count}, {statistics}"
+
+
+def short(p: float) -> str:
+    """A p-value with two digits."""
+    return "< 1e-12" if p < 1e-12 else f"{p:.2g}"
+
+
+def within(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
+    """The mean on every world no further from a value than the tolerance."""
+    lack = missing(grid, claim) or ("it names no value" if claim.value is None else None)
+    if lack or claim.value is None:
+        return OPEN, str(lack), {}
+    tolerance, metric = claim.tolerance or 0.0, grid.metric(claim.metric)
+    rows = []
+    for cell in chosen(grid, claim, claim.method):
+        found = describe(cell.values(claim.metric)) if cell else None
+        if cell is None or found is None or found.mean is None:
+            rows.append({"world": cell.world if cell else "", "verdict": OPEN, "mean": None, "low": None, "high": None, "n": 0})
+            continue
+        low, high = (found.mean if v is None else v for v in (found.low, found.high))
+        inside = abs(found.mean - claim.value) <= tolerance * (1 + 1e-12)
+        near = low <= claim.value + tolerance and high >= claim.value - tolerance
+        verdict = HOLDS if inside else OPEN if near else FAILS
+        rows.append({"world": cell.world, "verdict": verdict, "mean": found.mean, "low": found.low, "high": found.high, "n": found.n})
+    reason = "; ".join(f"{row['world']}: {mean_words(row, metric)}" for row in decisive_rows(rows)[:4])
+    bound = f"(asked: {number(claim.value, metric)} +- {number(tolerance, metric)})"
+    return worst(rows), f"{reason} {bound}", {"worlds": rows}
+
+
+def decisive_rows(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The rows that have the verdict of all."""
+    return [row for row in rows if row["verdict"] == worst(rows)]
+
+
+def worst(rows: Sequence[Mapping[str, Any]]) -> str:
+    """The verdict of several: one that fails fails all, one that is open leaves all open."""
+    verdicts = {row["verdict"] for row in rows}
+    return FAILS if FAILS in verdicts else OPEN if OPEN in verdicts or not rows else HOLDS
+
+
+def mean_words(row: Mapping[str, Any], metric: Metric) -> str:
+    """Mean and interval of a row in words."""
+    if row["mean"] is None:
+        return "no certified run"
+    spread = "" if row["low"] is None else f" [{number(row['low'], metric)}, {number(row['high'], metric)}]"
+    return f"mean {number(row['mean'], metric)}{spread} of {row['n']}"
+
+
+def number(value: float, metric: Metric) -> str:
+    """A value with the digits and the unit of its measure."""
+    return f"{value:.{metric.digits}f}" + (f" {metric.unit}" if metric.unit else "")
+
+
+def share(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
+    """At least a share of all runs succeed, or have a measure that is true; a run that failed counts against it."""
+    cells = [cell for cell in chosen(grid, claim, claim.method) if cell]
+    if not cells or claim.value is None:
+        return OPEN, f"there are no runs of {claim.method}" if not cells else "it names no share", {}
+    runs = sum(len(cell.records) for cell in cells)
+    hits = sum(value > 0 for cell in cells for value in cell.values(claim.metric))
+    rate = success(hits, runs)
+    words = f"{hits} of {runs} runs, {100 * hits / runs:.1f} % [{100 * rate.low:.1f}, {100 * rate.high:.1f}], asked: {100 * claim.value:.1f} %"
+    verdict = HOLDS if hits / runs >= claim.value - 1e-12 else OPEN if rate.high >= claim.value else FAILS
+    return verdict, words + ("; too few runs to refute it" if verdict == OPEN else ""), rate.to_dict()

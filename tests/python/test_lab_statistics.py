@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -50,7 +51,9 @@ def test_means_and_quartiles(values: list[float]) -> None:
     found = statistics.describe(values)
     assert found.n == len(values)
     assert found.mean == pytest.approx(np.mean(values), rel=1e-9, abs=1e-6)
-    assert [found.least, found.q1, found.median, found.q3, found.most] == pytest.approx(np.quantile(values, [0, 0.25, 0.5, 0.75, 1]).tolist(), **CLOSE)
+    assert [found.least, found.q1, found.median, found.q3, found.most] == pytest.approx(
+        np.quantile(values, [0, 0.25, 0.5, 0.75, 1]).tolist(), **CLOSE
+    )
     if found.sd and found.sd > 1e-3:
         low, high = stats.t.interval(0.95, len(values) - 1, np.mean(values), stats.sem(values))
         assert (found.low, found.high) == (pytest.approx(low, rel=1e-9, abs=1e-6), pytest.approx(high, rel=1e-9, abs=1e-6))
@@ -146,7 +149,7 @@ def test_friedman_nemenyi_and_critical_difference() -> None:
     from scikit_posthocs import posthoc_nemenyi_friedman
     from scipy.stats import friedmanchisquare, studentized_range
 
-    data = RNG.normal(size=(12, 4)) + [0, 0.5, 1, 3]
+    data = np.add(RNG.normal(size=(12, 4)), [0, 0.5, 1, 3])
     found = statistics.friedman({name: data[:, i].tolist() for i, name in enumerate("abcd")})
     assert found.statistic == near(friedmanchisquare(*data.T).statistic)
     assert found.p == near(friedmanchisquare(*data.T).pvalue)
@@ -219,7 +222,7 @@ def test_auc_is_the_area_under_the_curve(rows: list[tuple[int, bool]]) -> None:
     if found.auc is None:
         assert points == []
         return
-    area = sum((x1 - x0) * (y0 + y1) / 2 for (x0, y0), (x1, y1) in zip(points, points[1:], strict=False))
+    area = sum((x1 - x0) * (y0 + y1) / 2 for (x0, y0), (x1, y1) in itertools.pairwise(points))
     assert area == near(found.auc)
     assert points[0] == (0, 0)
     assert points[-1] == (1, 1)

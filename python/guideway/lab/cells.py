@@ -99,7 +99,9 @@ class Grid:
         return [metric for metric in self.experiment.metrics if metric.better in ("lower", "higher") and metric.name in self.measured]
 
     def optimum(self, cell: Cell) -> float | None:
-        """The exact optimum in the model of a cell's method, on the scale of its curves; None where curves show something else than the reference measure."""
+        """The exact optimum in the model of a cell's method, on the scale of its curves; None where curves show something else than the
+        reference measure.
+        """
         if id(cell) not in self._optima:
             self._optima[id(cell)] = self._optimum(cell)
         return self._optima[id(cell)]
@@ -139,7 +141,9 @@ class Grid:
 
 
 def grid(experiment: Experiment, records: Iterable[Record]) -> Grid:
-    """Sorts records into cells, in the order of the experiment; what the experiment does not name comes last, by name. The last record of a key counts."""
+    """Sorts records into cells, in the order of the experiment; what the experiment does not name comes last, by name. The last record of a key
+    counts.
+    """
     kept = {(text(r, "world"), text(r, "query"), text(r, "method"), seed_of(r)): r for r in records}
     places = [{item["name"]: i for i, item in enumerate(items)} for items in (experiment.worlds, experiment.queries, experiment.methods)]
     order = sorted(kept, key=lambda key: (*((p.get(name, len(p)), name) for p, name in zip(places, key[:3], strict=True)), key[3]))

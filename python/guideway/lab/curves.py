@@ -98,7 +98,8 @@ def value_at(curve: Sequence[tuple[float, float]], evaluations: float) -> float 
 def band(curves: Sequence[Any], most: int = 96) -> list[list[float | None]]:
     """Median and quartiles of several runs over evaluations: rows ``[evaluations, lower quartile, median, upper quartile]``, at most ``most``.
 
-    A run without a value yet counts as infinitely bad, so a quartile is ``None`` where too few runs have one. Rows where nothing changes are left out.
+    A run without a value yet counts as infinitely bad, so a quartile is ``None`` where too few runs have one. Rows where nothing changes are left
+    out.
     """
     every = [curve for curve in map(usable, curves) if curve]
     if not every:
@@ -133,10 +134,11 @@ def distribution(times: Sequence[float | None], most: int = 200) -> list[list[fl
 
 
 def profile(table: Mapping[str, Sequence[float | None]], most: int = 200) -> dict[str, list[list[float]]]:
-    """Performance profiles of Dolan and More: per method rows ``[ratio, share]``: share of problems solved within ``ratio`` times the best method's cost.
+    """Performance profiles of Dolan and More: per method rows ``[ratio, share]``: share of problems solved within ``ratio`` times the best method's
+    cost.
 
-    ``table``: cost per method, one per problem; ``None`` is a failure. Costs must be positive; at a best cost of 0 a method counts as ratio 1 if it is 0 too and
-    as failed otherwise. Problems that no method solved count as failures of all.
+    ``table``: cost per method, one per problem; ``None`` is a failure. Costs must be positive; at a best cost of 0 a method counts as ratio 1 if it
+    is 0 too and as failed otherwise. Problems that no method solved count as failures of all.
     """
     ratios: dict[str, list[float | None]] = {name: [] for name in table}
     for costs in zip(*table.values(), strict=True):

@@ -97,7 +97,7 @@ def _experiment(where: str, path: str | os.PathLike[str], data: dict[str, object
         raise BadFile(where, f"the experiment has {runs} runs", f"at most {MOST}", "Use fewer seeds, worlds, queries or methods, or several files")
     names = {what: [item["name"] for item in items] for what, items in (("worlds", worlds), ("queries", queries), ("methods", methods))}
     metrics = _metrics(top, module)
-    known = sorted({metric.name for metric in metrics} | set(getattr(module, "METRICS", {})))
+    known = sorted({"success"} | {metric.name for metric in metrics} | set(getattr(module, "METRICS", {})))
     found = Experiment(
         name=name,
         title=top.text("title", name) or name,

@@ -1,7 +1,7 @@
 """Statistics of runs, by SciPy, statsmodels and scikit-posthocs; what those leave undefined is defined here.
 
-Nothing returns NaN: what cannot be computed is ``None``. Two values that differ by less than 1e-9 of their size are a tie: lengths summed in another order
-are the same length. Intervals are of 95 % unless ``level`` says otherwise.
+Nothing returns NaN: what cannot be computed is ``None``. Two values that differ by less than 1e-9 of their size are a tie: lengths summed in another
+order are the same length. Intervals are of 95 % unless ``level`` says otherwise.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class Summary:
 class Paired:
     """A paired comparison of one method with another: p of the signed-rank test and probability that the first is better.
 
-    ``pairs`` counts the pairs where both have a value, ``ties`` the equal ones, ``wins`` and ``losses`` the others. ``p`` is None without pairs and 1 where all
-    pairs are equal.
+    ``pairs`` counts the pairs where both have a value, ``ties`` the equal ones, ``wins`` and ``losses`` the others. ``p`` is None without pairs and
+    1 where all pairs are equal.
     """
 
     pairs: int
@@ -79,7 +79,9 @@ class Paired:
 
 @dataclass(frozen=True)
 class Ranks:
-    """Friedman's test and what follows it. ``ranks``: mean rank per method, 1 is best; ``nemenyi``: p per pair; ``groups``: methods not told apart."""
+    """Friedman's test and what follows it. ``ranks``: mean rank per method, 1 is best; ``nemenyi``: p per pair; ``groups``: methods not told
+    apart.
+    """
 
     methods: tuple[str, ...]
     blocks: int
@@ -213,7 +215,7 @@ def signed_rank(gaps: Sequence[float] | Array) -> tuple[float | None, float]:
     array = np.asarray(gaps, dtype=np.float64)
     if not array.any():
         return None, 1.0
-    found = wilcoxon(array)
+    found: Any = wilcoxon(array)
     return float(found.statistic), float(found.pvalue)
 
 
@@ -261,15 +263,18 @@ def mcnemar(one: Sequence[bool], other: Sequence[bool]) -> tuple[int, int, float
     if not pairs:
         return 0, 0, None
     both, neither = sum(a and b for a, b in pairs), sum(not a and not b for a, b in pairs)
-    p = 1.0 if only + lacking == 0 else float(exact([[both, only], [lacking, neither]], exact=True).pvalue)
-    return only, lacking, min(1.0, p)
+    if only + lacking == 0:
+        return 0, 0, 1.0
+    found: Any = exact([[both, only], [lacking, neither]], exact=True)
+    return only, lacking, min(1.0, float(found.pvalue))
 
 
 def friedman(table: Mapping[str, Sequence[float | None]], lower_is_better: bool = True, alpha: float = 0.05) -> Ranks:
     """Friedman's test of methods over blocks (worlds, or seeds), Nemenyi's test and critical difference.
 
-    ``table``: values per method, one per block. A missing value ranks last in its block (a failure is worse than any result); a block in which no method has
-    one is left out. Friedman's test needs three methods and two blocks, Nemenyi's the same; else they are ``None`` and only the mean ranks are given.
+    ``table``: values per method, one per block. A missing value ranks last in its block (a failure is worse than any result); a block in which no
+    method has one is left out. Friedman's test needs three methods and two blocks, Nemenyi's the same; else they are ``None`` and only the mean
+    ranks are given.
     """
     methods = tuple(table)
     if not methods:
@@ -320,7 +325,9 @@ def nemenyi(blocks: Array) -> tuple[tuple[float, ...], ...]:
 
 
 def critical_difference(methods: int, blocks: int, alpha: float = 0.05) -> float:
-    """Nemenyi's critical difference of mean ranks: ``q / sqrt(2) * sqrt(k (k + 1) / (6 n))`` with the studentised range ``q`` for infinite degrees of freedom."""
+    """Nemenyi's critical difference of mean ranks: ``q / sqrt(2) * sqrt(k (k + 1) / (6 n))`` with the studentised range ``q`` for infinite
+    degrees of freedom.
+    """
     from scipy.stats import studentized_range
 
     return float(studentized_range.ppf(1 - alpha, methods, np.inf)) / math.sqrt(2) * math.sqrt(methods * (methods + 1) / (6 * blocks))

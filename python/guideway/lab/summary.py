@@ -14,8 +14,8 @@ from guideway.view.report import clean
 from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, seed_of, spent, value_of
 from .curves import TARGETS, band, convergence, distribution, expected, profile, reached, usable
 from .experiment import Experiment, Metric
-from .verdicts import judge
 from .statistics import describe, friedman, growth, holm, mcnemar, paired, success
+from .verdicts import judge
 
 SCHEMA = 1
 TARGET = 0.01
@@ -79,9 +79,7 @@ def about(experiment: Experiment, table: Grid) -> dict[str, Any]:
         "worlds": [str(world["name"]) for world in experiment.worlds],
         "queries": [str(query["name"]) for query in experiment.queries],
         "methods": [str(method["name"]) for method in experiment.methods],
-        "metrics": [
-            {"name": m.name, "unit": m.unit, "better": m.better, "digits": m.digits, "first": m in experiment.metrics} for m in metrics
-        ],
+        "metrics": [{"name": m.name, "unit": m.unit, "better": m.better, "digits": m.digits, "first": m in experiment.metrics} for m in metrics],
         "digests": sorted({str(record.get("digest", "")) for record in records}),
         "versions": sorted({str(record.get("version", "")) for record in records}),
         "machines": distinct(record.get("machine") for record in records),
@@ -162,7 +160,9 @@ def overall(table: Grid, method: str) -> dict[str, Any]:
         "n": sum(len(cell.records) for cell in cells),
         "success": success(sum(len(cell.sound) for cell in cells), sum(len(cell.records) for cell in cells)).to_dict(),
         "measures": {name: measure(table.metric(name), values) for name, values in means.items() if values},
-        "times": {name: describe([v for cell in cells for v in cell.values(name)]).to_dict() for name in sorted({n for c in cells for n in timed(c)})},
+        "times": {
+            name: describe([v for cell in cells for v in cell.values(name)]).to_dict() for name in sorted({n for c in cells for n in timed(c)})
+        },
     }
 
 
@@ -254,7 +254,10 @@ def distributions(table: Grid) -> dict[str, Any]:
         if any(end is not None for end in ends):
             over_time.append({"method": method, "rows": distribution(ends)})
     proved = bool(best) and all(table.optimum(table.cells[key]) is not None for key in best)
-    return {"ecdf_evaluations": {"targets": list(TARGETS), "reference": "exact" if proved else "best found", "methods": over_evaluations}, "ecdf_time": over_time}
+    return {
+        "ecdf_evaluations": {"targets": list(TARGETS), "reference": "exact" if proved else "best found", "methods": over_evaluations},
+        "ecdf_time": over_time,
+    }
 
 
 def key_of(cell: Cell) -> tuple[str, str, str]:
@@ -278,7 +281,9 @@ def duration(record: Record) -> float | None:
 
 
 def profiles(table: Grid) -> dict[str, Any] | None:
-    """Performance profile of the first measure of which less is better, over all worlds, queries and seeds; None unless all its values are positive."""
+    """Performance profile of the first measure of which less is better, over all worlds, queries and seeds; None unless all its values are
+    positive.
+    """
     metric = next((metric for metric in table.compared if metric.better == "lower" and metric.name != "gap"), None)
     if metric is None or len(table.methods) < 2:
         return None
@@ -290,7 +295,11 @@ def profiles(table: Grid) -> dict[str, Any] | None:
             columns[method] += [known[method].get(seed) for seed in seeds]
     if any(value is not None and value <= 0 for column in columns.values() for value in column):
         return None
-    return {"metric": metric.name, "problems": len(next(iter(columns.values()))), "methods": [{"method": m, "rows": r} for m, r in profile(columns).items()]}
+    return {
+        "metric": metric.name,
+        "problems": len(next(iter(columns.values()))),
+        "methods": [{"method": m, "rows": r} for m, r in profile(columns).items()],
+    }
 
 
 def growths(table: Grid) -> list[dict[str, Any]]:
@@ -320,7 +329,11 @@ def growing(table: Grid, cell: Cell) -> list[str]:
 
 def group(world: Mapping[str, Any], query: str) -> str:
     """The other numbers that tell worlds apart, and the query, as words."""
-    words = [f"{key} {value}" for key, value in world.items() if key not in ("name", "make", "source", "size", "seed") and isinstance(value, str | int | float)]
+    words = [
+        f"{key} {value}"
+        for key, value in world.items()
+        if key not in ("name", "make", "source", "size", "seed") and isinstance(value, str | int | float)
+    ]
     return ", ".join([*words, *([query] if query else [])])
 
 
@@ -340,7 +353,7 @@ def ours(table: Grid, row: Mapping[str, Any]) -> float | None:
         return None
     if row["statistic"] == "share":
         return sum(value > 0 for value in cell.values(row["metric"])) / len(cell.records)
-    return measure(table.metric(row["metric"]), cell.values(row["metric"])).get(STATISTICS.get(row["statistic"], row["statistic"]))
+    return measure(table.metric(row["metric"]), cell.values(row["metric"])).get(STATISTICS.get(str(row["statistic"]), str(row["statistic"])))
 
 
 def alarms(table: Grid) -> list[dict[str, Any]]:

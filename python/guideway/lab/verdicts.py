@@ -62,7 +62,9 @@ def against(grid: Grid, claim: Claim, other: str) -> dict[str, Any]:
     mine, theirs = chosen(grid, claim, claim.method), chosen(grid, claim, other)
     both = pairs(mine, theirs, claim.metric)
     found = paired([a for a, _ in both], [b for _, b in both], claim.test == "lower")
-    exact = bool(both) and all(a and b and a.constant(claim.metric) and b.constant(claim.metric) for a, b in zip(mine, theirs, strict=True) if a and b)
+    exact = bool(both) and all(
+        a and b and a.constant(claim.metric) and b.constant(claim.metric) for a, b in zip(mine, theirs, strict=True) if a and b
+    )
     reversed_on = [a.world for a, b in zip(mine, theirs, strict=True) if a and b and opposite(a, b, claim)]
     alike = not any(grid.unlike(a, b, claim.metric) for a, b in zip(mine, theirs, strict=True))
     return {"than": other, **found.to_dict(), "deterministic": exact, "reversed_on": reversed_on, "same_model": alike}

@@ -1,0 +1,114 @@
+"""Planners of anybody as one call: registered ones, peers, and a user's own objects with ``plan``."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from guideway import _core
+from guideway.errors import BadParameter, GuidewayError
+from guideway.lab import own
+from guideway.records import Budget
+
+PEER = "peer:"
+"""What the name of a peer begins with."""
+
+Planned = Any
+"""What a planner returns: :class:`guideway.Solution`, :class:`guideway.Path`, points of shape (n, 2) or more columns (m), or an object with ``path``
+or ``points`` (and, if it likes, ``evaluations`` and ``history``, rows of evaluations and best so far)."""
+Call = Callable[[_core.Query, int, Budget], Planned]
+
+
+def planner(method: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> Call:
+    """The planner of a method as a function of query, seed and budget.
+
+    Raises :class:`guideway.errors.BadParameter` for names and parameters that are not known, and for peers that are not installed.
+    """
+    name, settings = method.get("planner"), dict(method.get("set", {}))
+    where = f"method {method.get('name', '')!r}"
+    if not isinstance(name, str) or not name:
+        raise BadParameter(f"{where}: planner {name!r} is not a name: a registered planner, {PEER}NAME, file.py:Name or package.module:Name")
+    if name.startswith(PEER):
+        return _peer(name, settings, where)
+    if own.is_own(name):
+        return _own(name, settings, os.fspath(folder), where)
+    known = [entry["name"] for entry in _core.planners()]
+    if name not in known:
+        raise BadParameter(f"{where}: planner {name!r} is not known: one of {', '.join(known)}, {PEER}NAME, file.py:Name or package.module:Name")
+    try:
+        _core.parameters(name, settings or None)
+    except BadParameter as error:
+        raise BadParameter(f"{where}: set: {error}") from None
+    fallback = bool(method.get("exact_fallback", False))
+
+    def registered(query: _core.Query, seed: int, budget: Budget) -> Planned:
+        return _core.plan(query, name, seed=seed, budget=budget, set=settings or None, exact_fallback=fallback)
+
+    return registered
+
+
+def _peer(name: str, settings: Mapping[str, Any], where: str) -> Call:
+    peers = importlib.import_module("guideway.lab.peers")
+    try:
+        peer = peers.find(name, "plan")
+        peer.settings(settings)
+    except BadParameter as error:
+        raise BadParameter(f"{where}: {error}") from None
+
+    def plan(query: _core.Query, seed: int, budget: Budget) -> Planned:
+        return peer.run(query, seed=seed, budget=budget.to_dict(), set=settings)
+
+    return plan
+
+
+def _own(name: str, settings: dict[str, Any], folder: str, where: str) -> Call:
+    """A user's object, new for every call, called with as much of (query, seed=, budget=) as it accepts."""
+
+    def load() -> Any:
+        return own.load(name, folder, settings).plan
+
+    try:
+        accepted = inspect.signature(load()).parameters.values()
+    except GuidewayError as error:
+        raise BadParameter(f"{where}: {error}") from None
+    except Exception as error:
+        raise BadParameter(f"{where}: planner {name!r} cannot be made: {type(error).__name__}: {error}") from error
+    anything = any(p.kind is inspect.Parameter.VAR_KEYWORD for p in accepted)
+    names = {p.name for p in accepted if p.kind in (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)}
+
+    def plan(query: _core.Query, seed: int, budget: Budget) -> Planned:
+        more = {"seed": seed, "budget": budget}
+        return load()(query, **{name: value for name, value in more.items() if anything or name in names})
+
+    return plan
+
+
+def path_of(found: Planned) -> _core.Path | None:
+    """The path of what a planner returned; None if it is not finite or no path at all."""
+    held = getattr(found, "path", found)
+    if isinstance(held, _core.Path):
+        return held if np.isfinite(held.length) else None
+    held = getattr(found, "points", held)
+    try:
+        points = np.asarray(held, float)
+    except (TypeError, ValueError):
+        return None
+    if points.ndim != 2 or len(points) < 2 or points.shape[1] < 2 or not np.isfinite(points).all():
+        return None
+    try:
+        return _core.Path.polyline(points[:, :2])
+    except BadParameter:
+        return None
+
+
+def work_of(found: Planned) -> tuple[int | None, np.ndarray]:
+    """Evaluations, and rows of evaluations and best so far, of what a planner of somebody else returned; None and no rows if it does not say."""
+    evaluations = getattr(found, "evaluations", None)
+    history = np.asarray(getattr(found, "history", None) or [], float)
+    fits = history.ndim == 2 and history.shape[1] >= 2 and np.isfinite(history).all()
+    return evaluations if isinstance(evaluations, int) else None, history[:, :2] if fits else np.empty((0, 2))

@@ -1,4 +1,4 @@
-"""The command line: ``guideway demo | plan | drive | arm | maps | view``.
+"""The command line: ``guideway demo | plan | drive | arm | lab | maps | view``.
 
 Exit status: 0 success, 2 bad input, 3 no result, 130 Ctrl-C. Errors are one short paragraph on stderr; ``--debug`` shows the traceback.
 """
@@ -21,6 +21,7 @@ VERBS = {
     "plan": "plan, smooth, time and certify a path on a map or in a scene",
     "drive": "drive a planned motion in a world that moves",
     "arm": "time-optimal motions of robot arms along a path",
+    "lab": "experiments: every published table as one command, statistics and reports",
     "maps": "look at maps, convert them, make new ones",
     "view": "one self-contained HTML report from results",
 }
@@ -31,6 +32,7 @@ EXAMPLES = """examples:
   guideway plan --list
   guideway drive plan.json --report run.html
   guideway arm time --nurbs star --robot ur5e --out traj.json
+  guideway lab run pso-aco-scenes --quick --out results
   guideway maps info warehouse.yaml
   guideway view plan.json run.json --out report.html"""
 

@@ -6,9 +6,25 @@ one record per (world, query, method, seed), ``guideway lab report`` tables and 
 
 from __future__ import annotations
 
+from guideway.lab.coordinator import run, told
 from guideway.lab.experiment import Claim, Experiment, Metric, Published, Run
 from guideway.lab.kinds import KINDS, Outcome
 from guideway.lab.packaged import experiments, packaged
-from guideway.lab.reading import quick, read
+from guideway.lab.reading import quick, read, with_seeds
 
-__all__ = ["KINDS", "Claim", "Experiment", "Metric", "Outcome", "Published", "Run", "experiments", "packaged", "quick", "read"]
+__all__ = [
+    "KINDS",
+    "Claim",
+    "Experiment",
+    "Metric",
+    "Outcome",
+    "Published",
+    "Run",
+    "experiments",
+    "packaged",
+    "quick",
+    "read",
+    "run",
+    "told",
+    "with_seeds",
+]

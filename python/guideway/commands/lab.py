@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 from pathlib import Path
@@ -106,8 +107,7 @@ def _version(experiment: Experiment, arguments: argparse.Namespace) -> Experimen
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    from guideway.lab.report import write_report
-
+    write_report = importlib.import_module("guideway.lab.report").write_report
     print(f"wrote {write_report(arguments.folder, arguments.out)}")
     return 0
 

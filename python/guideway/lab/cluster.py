@@ -26,8 +26,8 @@ ALLOWED = "local, local:N (N workers on this machine), or dask://HOST:PORT of a 
 PATIENCE = 60
 """How long the first worker may take to come, s."""
 
-FLIGHTS = 64
-"""Tasks that the scheduler knows at a time, for each thread of its workers at least two."""
+FLIGHTS = 256
+"""Tasks that the scheduler knows at a time, for each thread of its first workers at least two."""
 
 PORTION = 1.0
 """Short runs are handed out together, so many that they take about this long, s ..."""

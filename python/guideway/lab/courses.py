@@ -76,7 +76,15 @@ class Between:
             vmin, amin = (-limit(0.5, 3), -limit(1, 10)) if asymmetric else (-vmax, -amax)
             start = float(rng.uniform(-1, 1) if wide else rng.uniform(-3, 3))
             goal = start + float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-4, 4)) if wide else float(rng.uniform(-3, 3))
-            axis = {"start": start, "goal": goal, "velocity": vmax, "acceleration": amax, "jerk": jerk, "min_velocity": vmin, "min_acceleration": amin}
+            axis = {
+                "start": start,
+                "goal": goal,
+                "velocity": vmax,
+                "acceleration": amax,
+                "jerk": jerk,
+                "min_velocity": vmin,
+                "min_acceleration": amin,
+            }
             for end in ("start", "goal"):
                 axis[f"{end}_velocity"] = share * (vmin + (vmax - vmin) * float(rng.random()))
                 axis[f"{end}_acceleration"] = share * (amin + (amax - amin) * float(rng.random()))
@@ -98,8 +106,8 @@ class Between:
 
 @dataclass(frozen=True)
 class Timed:
-    """An answer: its ``duration`` (s), the largest ``excess`` over any limit (%), with its place among ``excesses`` by limit, how far it ends from the
-    goal (``miss``, in units of the axes), and ``seconds`` of processor time that the call took."""
+    """An answer: its ``duration`` (s), the largest ``excess`` over any limit (%) and the ``excesses`` over each, how far it ends from the goal
+    (``miss``, in units of the axes), and ``seconds`` of processor time that the call took."""
 
     duration: float
     excess: float
@@ -119,8 +127,8 @@ class Timed:
 
     @staticmethod
     def third(course: Along, s: Floats, x: Floats, u: Floats, duration: float, seconds: float) -> Timed:
-        """Of squared path speeds and path accelerations on a grid, the accelerations linear in between; ``s`` grows with the cube of time in the first
-        and in the last interval."""
+        """Of squared path speeds and path accelerations on a grid, the accelerations linear in between; in the first and in the last interval ``s``
+        grows with the cube of time."""
         tau, step = np.linspace(0, 1, PLACES + 1), np.diff(s)
         rise = np.diff(u) / step
         away = step[:, None] * tau

@@ -162,7 +162,7 @@ def auc(scores: Sequence[tuple[float, bool]]) -> tuple[float, float, float, int,
     lost = np.array([(np.sign(good - b) + 1).mean() / 2 for b in bad])
     area = float(wins.mean())
     variance = (wins.var(ddof=1) / len(good) if len(good) > 1 else 0.0) + (lost.var(ddof=1) / len(bad) if len(bad) > 1 else 0.0)
-    half = stats.norm.ppf(0.975) * math.sqrt(variance)
+    half = float(stats.norm.ppf(0.975)) * math.sqrt(variance)
     return area, max(0.0, area - half), min(1.0, area + half), len(good), len(bad)
 
 

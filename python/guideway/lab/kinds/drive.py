@@ -22,31 +22,41 @@ FIELDS = (
     *("planner", "set", "refine", "timing", "resolution", "blind"),
     *("controller", "control", "replanner", "sense", "lidar", "map", "plant", "arrival", "time_limit", "time_factor", "way"),
 )
-"""Of the plan: ``planner`` (any of kind plan; default visibility), ``refine`` (default none), ``timing`` (default time-optimal; ``own``: the planner's),
-``resolution`` of a room's cells (m), ``blind``: nothing that moves is known to it. Of the drive: the keywords of :func:`guideway.drive` (``control`` is
-its ``set``, ``replanner`` its ``planner``), ``time_factor``: limit of time in durations of the plan, ``way``: whether a way exists at all is measured.
+"""Of the plan: ``planner`` (any of kind plan; default visibility), ``refine`` (default none), ``timing`` (default time-optimal; ``own``: that of the
+planner), ``resolution`` of a room's cells (m), ``blind``: nothing that moves is known to it. Of the drive: the keywords of :func:`guideway.drive`
+(``control`` is its ``set``, ``replanner`` its ``planner``), ``time_factor``: limit of time in durations of the plan, ``way``: whether a way exists at
+all is measured.
 """
 OWN_OF_WORLD, OWN_OF_QUERY = ("condition", "crossed"), ("order",)
-"""What worlds and queries may say beside :mod:`guideway.lab.worlds`: ``condition`` of a room (:data:`guideway.scenes.CONDITIONS`); ``crossed``: movers go
-to and fro across the exact path, drawn from the run's seed; ``order`` of the ``via`` points: ``given`` or ``best``."""
+"""What worlds and queries may say beside :mod:`guideway.lab.worlds`: ``condition`` of a room (:data:`guideway.scenes.CONDITIONS`); ``crossed``:
+movers go to and fro across the exact path, drawn from the run's seed; ``order`` of the ``via`` points: ``given`` or ``best``."""
 TIMINGS = ("time-optimal", "iascv", "trapezoid", "own")
 CHOICES = {"sense": ("truth", "lidar"), "map": ("known", "none"), "timing": TIMINGS, "refine": REFINEMENTS, "plant": tuple(PLANTS)}
 MOST_ROWS = 400
 """Most points of a driven path in a record."""
 
-_LOWER = {
-    **{"hit": "", "hit_moving": "", "hit_parked": "", "timeout": "", "stuck": "", "time": "s", "length": "m", "planned": "m", "duration": "s"},
-    **{"tpe": "cm", "tte": "cm", "path_error": "cm", "length_deviation": "m", "ts": "deg/m", "peak_acceleration": "m/s2", "peak_jerk": "m/s3"},
-    **{"rms_jerk": "m/s3", "ssf": "", "asf": "", "over": "", "tilt": "deg", "ttec": "J/m", "moec": "W h", "replans": "", "stops": "", "stopped": "s"},
-    **{"deviation": "m", "hindered": "", "objective": ""},
+_UNITS = {
+    "m": ("length", "planned", "length_deviation", "deviation"),
+    "s": ("time", "duration", "stopped"),
+    "cm": ("tpe", "tte", "path_error"),
+    "m/s2": ("peak_acceleration",),
+    "m/s3": ("peak_jerk", "rms_jerk"),
+    "deg": ("tilt",),
+    "deg/m": ("ts",),
+    "J/m": ("ttec",),
+    "W h": ("moec",),
+    "": ("hit", "hit_moving", "hit_parked", "timeout", "stuck", "ssf", "asf", "over", "replans", "stops", "hindered", "objective"),
 }
+_LOWER = {name: unit for unit, names in _UNITS.items() for name in names}
 _HIGHER = {"arrived": "", "success": "", "near_success": "", "separation": "m", "ms": "%", "psi": "%", "smoothness": "", "auc": "", "free": ""}
-METRICS = {name: Metric(name, unit, better, 3) for units, better in ((_LOWER, "lower"), (_HIGHER, "higher")) for name, unit in units.items()} | {
+METRICS = {
+    **{name: Metric(name, unit, "lower", 3) for name, unit in _LOWER.items()},
+    **{name: Metric(name, unit, "higher", 3) for name, unit in _HIGHER.items()},
     "way": Metric("way", "", None, 3),
     "evaluations": Metric("evaluations", "", "lower", 0),
 }
-"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m),
-drive (see :mod:`guideway.lab.driven`; errors in cm), motion (jerk, steps, ``over``: samples beyond a limit) and plan (``planned`` length, ``auc``)."""
+"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m);
+drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Runs of learning: how fast an arm may go along a path whose torques nobody can compute, trial by trial, judged against the optimum of the true plant."""
+"""Runs of learning: how fast an arm may go along a path whose torques are not known, trial by trial, beside the optimum of the true plant."""
 
 from __future__ import annotations
 
@@ -16,17 +16,26 @@ from guideway.lab.kinds import Outcome
 if TYPE_CHECKING:
     from guideway.arm.learning import Task
     from guideway.arm.learning.loop import Learned
-    from guideway.plants.arm import ArmPlant
+    from guideway.plants.arm import IdealArm
+    from guideway.plants.arm_mujoco import MujocoArm
 
 FIELDS = ("learner", "trials")
 """``learner`` (:data:`guideway.arm.learning.LEARNERS`) with ``set`` as its settings, and how many ``trials`` it may have (6)."""
 WORLD_FIELDS = ("make", "robot", "path", "acceleration", "torque", "plant", "payload", "payload_at", "friction", "noise", "random")
-"""``make`` is ``arm``: a ``robot`` (ur5e) along a ``path`` (star) with limits of ``acceleration`` (rad/s2) and ``torque`` (N m, per joint), on a ``plant``
-(ideal or mujoco) with ``payload`` (kg) ``payload_at`` (m), ``friction`` and ``noise`` (N m); ``random``: a plant drawn from the seed."""
+"""``make`` is ``arm``: a ``robot`` (ur5e) along a ``path`` (star) with limits of ``acceleration`` (rad/s2) and ``torque`` (N m, per joint), on a
+``plant`` (ideal or mujoco) with ``payload`` (kg) ``payload_at`` (m), ``friction``, ``noise`` (N m); ``random``: a plant drawn from the seed."""
 QUERY_FIELDS: tuple[str, ...] = ()
 WORLD: Mapping[str, Any] = {
-    **{"make": "arm", "robot": "ur5e", "path": "star", "acceleration": 10.0, "plant": "ideal", "payload": 0.0, "payload_at": (0.0, 0.0, 0.08)},
-    **{"friction": "reference", "noise": 0.5, "random": False},
+    "make": "arm",
+    "robot": "ur5e",
+    "path": "star",
+    "acceleration": 10.0,
+    "plant": "ideal",
+    "payload": 0.0,
+    "payload_at": (0.0, 0.0, 0.08),
+    "friction": "reference",
+    "noise": 0.5,
+    "random": False,
 }
 NEAR, CLOSE = 1.01, 0.01
 """T/T* that counts as reached; share of a torque limit that a violation may have."""
@@ -56,10 +65,11 @@ METRICS = {
         Metric("optimum", "s", None, 4),
     )
 }
-"""``ratio``: T/T* of the fastest trial without a true violation (None: there is none); ``to_feasible``, ``to_measured``: the first trial without a true
-and without a measured violation; ``to_near``: the first without a true one at T/T* of at most 1.01; ``first_ratio``, ``last_ratio``; ``soon``: at most
-1.05 in the fourth trial, ``late``: at most 1.03 in the sixth; of the last trial the true ``violation`` (below 0: inside), ``time_over`` and whether it
-is ``feasible``; ``worst``: largest violation from the third trial on, ``close``: it is at most 1 %; ``bound_ratio``: the largest lower bound the learner stated over T*; ``use``: how much of speed and acceleration limits is used."""
+"""``ratio``: T/T* of the fastest trial without a true violation (None: there is none). ``to_feasible``, ``to_measured``: the first trial without a
+true and without a measured violation; ``to_near``: the first without a true one at T/T* of at most 1.01. ``first_ratio``, ``last_ratio``; ``soon``:
+at most 1.05 in the fourth trial, ``late``: at most 1.03 in the sixth. Of the last trial: the true ``violation`` (below 0: inside), ``time_over``,
+whether it is ``feasible``. ``worst``: largest violation from the third trial on, ``close``: it is at most 1 %. ``bound_ratio``: the largest lower
+bound that the learner stated over T*. ``use``: how much of the limits of speed and acceleration the last motion uses."""
 
 
 def run(run: Run) -> Outcome:
@@ -117,7 +127,7 @@ def judged(found: Learned, task: Task, best: float) -> tuple[dict[str, Any], lis
     }, curve
 
 
-def plant_of(task: Task, world: Mapping[str, Any], seed: int) -> ArmPlant:
+def plant_of(task: Task, world: Mapping[str, Any], seed: int) -> IdealArm | MujocoArm:
     """The plant of a world, its noise drawn from the seed."""
     from guideway.plants.arm import make_arm
 
@@ -127,7 +137,7 @@ def plant_of(task: Task, world: Mapping[str, Any], seed: int) -> ArmPlant:
     return make_arm(world["plant"], task, payload=float(world["payload"]), payload_at=tuple(world["payload_at"]), seed=seed, **words)
 
 
-def random_plant(task: Task, number: int) -> ArmPlant:
+def random_plant(task: Task, number: int) -> IdealArm:
     """Payload 0 to 5 kg with a random centre within 0.1 m of (0, 0, 0.08) and random inertia, friction of each joint scaled by 0.5 to 1.5, half of
     the plants with all effects of friction, noise 0.1 to 1 N m. Raises ``Infeasible`` where standing still is already too much."""
     import guideway as gw

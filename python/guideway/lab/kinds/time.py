@@ -16,8 +16,8 @@ from guideway.lab.experiment import Experiment, Metric, Run
 from guideway.lab.kinds import Outcome
 
 FIELDS = ("timing", "calls")
-"""``timing``: ``reachability``, ``bisection`` or ``jerk`` along splines, ``point-to-point`` between states, or a peer; ``set``: for ours ``grid`` (number
-of points along a spline; chosen by error where left out); ``calls`` after one more are timed (1)."""
+"""``timing``: ``reachability``, ``bisection`` or ``jerk`` along splines, ``point-to-point`` between states, or a peer; ``set``: for ours ``grid``
+(number of points along a spline; chosen by error where left out); ``calls`` after one more are timed (1)."""
 WORLD_FIELDS = ("make", *dict.fromkeys(name for arguments in MAKERS.values() for name in arguments))
 QUERY_FIELDS = ("limits",)
 """``limits``: ``speed`` (rad/s), ``acceleration``, ``jerk`` of a spline's joints; between states they are drawn."""
@@ -86,7 +86,8 @@ def _along(course: Along, name: str, settings: Mapping[str, Any]) -> Timed:
 
 
 def _between(course: Between) -> Timed:
-    problem = gw.PointToPoint(course.start, course.goal, limits=course.limits, **course.ends)
+    ends: dict[str, Any] = course.ends
+    problem = gw.PointToPoint(course.start, course.goal, limits=course.limits, **ends)
     begun = time.process_time()
     motion = problem.plan()
     seconds = time.process_time() - begun
@@ -96,7 +97,7 @@ def _between(course: Between) -> Timed:
 
 def check(experiment: Experiment) -> None:
     """Raises :class:`guideway.BadParameter` for what is not known, before any run."""
-    makes = {world.get("make") for world in experiment.worlds}
+    makes: set[Any] = {world.get("make") for world in experiment.worlds}
     for world in experiment.worlds:
         _check_world(world)
     for query in experiment.queries if "spline" in makes else ():
@@ -124,7 +125,7 @@ def _check_world(world: Mapping[str, Any]) -> None:
             raise BadParameter(f"{where}: {name} {value!r} cannot be used: such as {usual!r}" + (f' or "{RUN}"' if name == "seed" else ""))
 
 
-def _check_method(method: Mapping[str, Any], makes: set[str]) -> None:
+def _check_method(method: Mapping[str, Any], makes: set[Any]) -> None:
     where, name, calls = f"method {method['name']!r}", method.get("timing"), method.get("calls", 1)
     if isinstance(calls, bool) or not isinstance(calls, int) or not 1 <= calls <= 10_000:
         raise BadParameter(f"{where}: calls {calls!r} is not a whole number from 1 to 10000")

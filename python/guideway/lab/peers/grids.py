@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import random
 import time
 from collections.abc import Mapping
@@ -46,9 +47,8 @@ def through(query: gw.Query, cells: Any) -> list[list[float]]:
 
 def nano_astar(query: gw.Query, *, seed: int, budget: Mapping[str, Any]) -> Answer:
     """nano-astar: A* over eight neighbours that never cuts a corner. It ends on its own: budgets do not count."""
-    import nano_astar as package
-
     del seed, budget
+    package: Any = importlib.import_module("nano_astar")
     blocked, start, goal = lattice(query)
     grid = np.ascontiguousarray(blocked, np.uint8)
     begun = time.perf_counter()
@@ -64,13 +64,12 @@ def motion_planning(query: gw.Query, *, seed: int, budget: Mapping[str, Any], pl
 
     Its sampling planners draw from Python's own generator, which is seeded here and put back afterwards.
     """
-    import python_motion_planning as package
-    from python_motion_planning.common import TYPES, Grid
-
     del budget
+    package: Any = importlib.import_module("python_motion_planning")
+    common: Any = importlib.import_module("python_motion_planning.common")
     blocked, start, goal = lattice(query)
-    kinds = np.where(blocked, TYPES.OBSTACLE, TYPES.FREE).astype(np.int8)
-    grid = Grid(bounds=[[0, blocked.shape[0]], [0, blocked.shape[1]]], resolution=1.0, type_map=kinds)
+    kinds = np.where(blocked, common.TYPES.OBSTACLE, common.TYPES.FREE).astype(np.int8)
+    grid = common.Grid(bounds=[[0, blocked.shape[0]], [0, blocked.shape[1]]], resolution=1.0, type_map=kinds)
     words = {} if samples is None else {"max_sample_step": int(samples)}
     made = getattr(package, planner)(map_=grid, start=start, goal=goal, **words)
     before, begun = random.getstate(), time.perf_counter()

@@ -6,6 +6,7 @@ and budget of evaluations then give the same path. An evaluation is a check of a
 
 from __future__ import annotations
 
+import importlib
 import json
 import math
 import os
@@ -14,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -67,8 +69,8 @@ def _child(order: Mapping[str, Any]) -> dict[str, Any]:
     words = [sys.executable, "-m", "guideway.lab.peers.ompl"]
     roots = [str(Path(gw.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(part for part in roots if part)}
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-    with subprocess.Popen(words, env=environment, text=True, **pipes) as process:
+    pipe = subprocess.PIPE
+    with subprocess.Popen(words, env=environment, text=True, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL) as process:
         assert process.stdin is not None
         assert process.stdout is not None
         watch = threading.Timer(PATIENCE, process.kill)
@@ -89,14 +91,15 @@ class _Search:
     """One search in this process: what counts, and what was found so far."""
 
     def __init__(self, order: Mapping[str, Any]) -> None:
-        from ompl import base, geometric, util
-
-        self.base, self.order = base, order
+        base, geometric, util = (importlib.import_module(f"ompl.{part}") for part in ("base", "geometric", "util"))
+        self.base: Any = base
+        self.order = order
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(int(order["seed"]) + 1)  # 0 means the clock
         asked = order["query"]
         self.free, self.radius, self.places = gw.World(**asked["world"]).segment_free, asked["radius"], asked["places"]
-        self.checks, self.history, self.begun = 0, [], time.perf_counter()
+        self.checks, self.begun = 0, time.perf_counter()
+        self.history: list[list[float]] = []
         self.space = base.RealVectorStateSpace(2)
         self._bound(gw.World(**asked["world"]))
         self.setup = geometric.SimpleSetup(self.space)
@@ -146,7 +149,7 @@ class _Search:
             if self.order["simplify"]:
                 self.setup.simplifySolution(SIMPLIFYING)
             points = [[state[0], state[1]] for state in self.setup.getSolutionPath().getStates()]
-            length = sum(math.dist(a, b) for a, b in zip(points, points[1:], strict=False))
+            length = sum(math.dist(a, b) for a, b in pairwise(points))
             if not self.history or length < self.history[-1][1] - 1e-12:
                 self.history.append([self.checks, length])
         seconds = time.perf_counter() - self.begun

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import time
 from collections.abc import Callable, Mapping
@@ -51,8 +52,7 @@ def _begin(problem: Problem, budget: Mapping[str, Any]) -> tuple[_Counted, np.nd
 
 def pygmo(problem: Problem, *, seed: int, budget: Mapping[str, Any], algorithm: str, population: int = 50) -> Answer:
     """An algorithm of pygmo with a population, for as many generations as the budget lets it; tolerances that would stop it are off."""
-    import pygmo as package
-
+    package: Any = importlib.import_module("pygmo")
     counted, box, most = _begin(problem, budget)
 
     class Asked:
@@ -77,21 +77,21 @@ def pygmo(problem: Problem, *, seed: int, budget: Mapping[str, Any], algorithm: 
 
 def scipy_de(problem: Problem, *, seed: int, budget: Mapping[str, Any], population: int = 50, strategy: str = "best1bin") -> Answer:
     """SciPy's differential evolution from a uniform random population; tolerances are off and nothing is polished."""
-    from scipy.optimize import differential_evolution
-
+    package: Any = importlib.import_module("scipy.optimize")
     counted, box, most = _begin(problem, budget)
     first = box[:, 0] + (box[:, 1] - box[:, 0]) * np.random.default_rng(seed).random((population, len(box)))
     words: dict[str, Any] = {"strategy": strategy, "maxiter": max(most // population - 1, 1), "tol": 0, "atol": 0, "polish": False, "init": first}
     begun = time.perf_counter()
-    differential_evolution(counted, [tuple(row) for row in box.tolist()], rng=np.random.default_rng(seed), **words)
+    package.differential_evolution(counted, [tuple(row) for row in box.tolist()], rng=np.random.default_rng(seed), **words)
     return counted.answer(time.perf_counter() - begun)
 
 
 def scipy_dual_annealing(problem: Problem, *, seed: int, budget: Mapping[str, Any]) -> Answer:
     """SciPy's dual annealing without its local search, which would need gradients by differences."""
-    from scipy.optimize import dual_annealing
-
+    package: Any = importlib.import_module("scipy.optimize")
     counted, box, most = _begin(problem, budget)
     begun = time.perf_counter()
-    dual_annealing(counted, [tuple(row) for row in box.tolist()], maxfun=most, no_local_search=True, maxiter=most, rng=np.random.default_rng(seed))
+    package.dual_annealing(
+        counted, [tuple(row) for row in box.tolist()], maxfun=most, no_local_search=True, maxiter=most, rng=np.random.default_rng(seed)
+    )
     return counted.answer(time.perf_counter() - begun)

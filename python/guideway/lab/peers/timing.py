@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 import time
 from collections.abc import Mapping
@@ -15,10 +16,8 @@ from guideway.lab.courses import Along, Between, Timed
 
 def toppra(course: Along, *, seed: int, budget: Mapping[str, Any], intervals: int = 1000) -> Timed:
     """TOPP-RA of the Python package, its seidel solver and its interpolation scheme."""
-    import toppra as package
-    from toppra import algorithm, constraint
-
     del seed, budget
+    package, algorithm, constraint = (importlib.import_module(name) for name in ("toppra", "toppra.algorithm", "toppra.constraint"))
     if course.jerk is not None:
         raise gw.BadParameter("toppra knows no limit of jerk")
     logging.getLogger("toppra").setLevel(logging.ERROR)
@@ -41,9 +40,8 @@ def toppra(course: Along, *, seed: int, budget: Mapping[str, Any], intervals: in
 
 def copp(course: Along, *, seed: int, budget: Mapping[str, Any], intervals: int = 1000, jerk: bool = False) -> Timed:
     """copp-py: reachability of second order, and with ``jerk`` its cone program of third order linearised at it."""
-    import copp_py as package
-
     del seed, budget
+    package: Any = importlib.import_module("copp_py")
     if jerk != (course.jerk is not None):
         raise gw.BadParameter("copp-py takes courses without a limit of jerk, copp-py-jerk those with one")
     grid, ones = np.linspace(0.0, 1.0, intervals + 1), np.ones(course.joints)
@@ -71,9 +69,8 @@ def copp(course: Along, *, seed: int, budget: Mapping[str, Any], intervals: int 
 
 def ruckig(course: Between, *, seed: int, budget: Mapping[str, Any]) -> Timed:
     """Ruckig's community version, offline, axes synchronised in time."""
-    import ruckig as package
-
     del seed, budget
+    package: Any = importlib.import_module("ruckig")
     asked = package.InputParameter(len(course.start))
     asked.current_position, asked.target_position = course.start.tolist(), course.goal.tolist()
     for name in ("velocity", "acceleration"):
@@ -93,4 +90,5 @@ def ruckig(course: Between, *, seed: int, budget: Mapping[str, Any]) -> Timed:
         raise gw.Infeasible(f"Ruckig: {result}")
     times = course.times(trajectory.duration)
     rows = [trajectory.at_time(float(t)) for t in times]
-    return Timed.between(course, trajectory.duration, tuple(np.array([row[k] for row in rows]) for k in range(3)), seconds)
+    q, qd, qdd = (np.array([row[k] for row in rows]) for k in range(3))
+    return Timed.between(course, trajectory.duration, (q, qd, qdd), seconds)

@@ -14,16 +14,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from guideway._core import Path
-from guideway.errors import BadParameter, GuidewayError
+from guideway.errors import BadParameter
+from guideway.lab.extra import MissingExtra
 from guideway.records import Budget
 
-__all__ = ["PEERS", "Answer", "MissingPackage", "Peer", "find", "optimizer", "planner"]
+__all__ = ["PEERS", "Answer", "Peer", "find", "optimizer", "planner"]
 
 PREFIX = "peer:"
-
-
-class MissingPackage(GuidewayError):
-    """A package that a method needs is not installed."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +67,9 @@ class Peer:
         return {**self.parameters, **(given or {})}
 
     def need(self) -> None:
-        """Raises :class:`MissingPackage` where its package cannot be imported."""
+        """Raises :class:`guideway.lab.extra.MissingExtra` where its package cannot be imported."""
         if importlib.util.find_spec(self.module) is None:
-            raise MissingPackage(f"{self.package} is not installed: pip install 'guideway[peers]'")
+            raise MissingExtra(f"{self.package} is not installed: pip install 'guideway[peers]'")
 
     def run(
         self,
@@ -84,7 +81,7 @@ class Peer:
     ) -> Any:
         """Solves a problem (a :class:`guideway.Query`, an objective, a course of joints, by ``kind``).
 
-        Raises :class:`MissingPackage`, and what the peer's answer means as an error of ours: ``NoPath``, ``Infeasible``.
+        Raises :class:`guideway.lab.extra.MissingExtra`, and what the peer's answer means as an error of ours: ``NoPath``, ``Infeasible``.
         """
         self.need()
         place, name = self.home.split(":")

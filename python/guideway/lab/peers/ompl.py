@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import guideway as gw
-from guideway.lab.peers import Answer, MissingPackage
+from guideway.lab.peers import Answer
 
 PATIENCE = 600.0
 """Longest life of a process that is asked for something, s; the lab's own limit comes first."""
@@ -175,7 +175,7 @@ def _serve() -> None:
         if len(order["query"]["places"]) != 2:
             raise ValueError("via points are not possible here")
         reply = _Search(order).solve()
-    except (ValueError, RuntimeError, MissingPackage) as error:
+    except (ValueError, RuntimeError, ImportError) as error:
         reply = {"error": str(error)}
     sys.stdout.write(json.dumps(reply) + "\n")
     sys.stdout.flush()

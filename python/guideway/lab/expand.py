@@ -6,7 +6,7 @@ import copy
 import itertools
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any, cast
 
 from guideway.errors import BadFile
@@ -19,10 +19,11 @@ _PLACE = re.compile(r"\{(\w*)\}")
 _KEY = re.compile(r"\w+(\.\w+)?")
 
 
-def expanded(at: str, table: dict[str, Any]) -> list[dict[str, Any]]:
+def expanded(at: str, table: dict[str, Any], fields: Collection[str] | None = None) -> list[dict[str, Any]]:
     """The tables that one with ``each`` and ``ablate`` stands for; ``at`` says where it is, for messages.
 
     Every list under ``each`` is a dimension; a value goes into the field of its name (``set.rho``: into ``set``) and, as ``{rho}``, into every text.
+    A dimension that is not one of the ``fields`` must be in a text beside the name; where the fields are not known it goes into texts or a field.
     ``ablate`` names switches under ``set``: all on, each one off, all off; ``{off}`` is empty, "without NAME" and "plain".
     """
     plain = {key: value for key, value in table.items() if key not in ("each", "ablate")}
@@ -33,7 +34,15 @@ def expanded(at: str, table: dict[str, Any]) -> list[dict[str, Any]]:
         raise BadFile(f"{at}, field each", f"the grid has {count} tables", f"at most {MOST}", "Use fewer values or dimensions")
     if not dimensions and not switches:
         return [plain]
-    return [_one(at, plain, cell, off) for cell in _cells(dimensions) for off in switches or [None]]
+    told = set(_PLACE.findall(repr({key: value for key, value in plain.items() if key != "name"})))
+    into = [key for key in dimensions if "." in key or (key not in told if fields is None else key in fields)]
+    lost = next((key for key in dimensions if key not in into and key not in told), None)
+    if lost is not None:
+        allowed = ", ".join(fields or ())
+        raise BadFile(
+            f"{at}, field each", f"the dimension {word(lost)} is no field", allowed, f"Correct its name, or put {{{word(lost)}}} into a text"
+        )
+    return [_one(at, plain, (cell, into), off) for cell in _cells(dimensions) for off in switches or [None]]
 
 
 def _dimensions(at: str, each: object) -> dict[str, list[Any]]:
@@ -70,11 +79,12 @@ def _switches(at: str, ablate: object) -> list[tuple[str, dict[str, bool]]]:
     return versions + ([("plain", dict.fromkeys(names, False))] if len(names) > 1 else [])
 
 
-def _one(at: str, plain: dict[str, Any], cell: dict[str, Any], off: tuple[str, dict[str, bool]] | None) -> dict[str, Any]:
+def _one(at: str, plain: dict[str, Any], at_cell: tuple[dict[str, Any], list[str]], off: tuple[str, dict[str, bool]] | None) -> dict[str, Any]:
+    cell, into = at_cell
     words = {key.split(".")[-1]: _shown(value) for key, value in cell.items()}
     table = copy.deepcopy(plain)
-    for key, value in cell.items():
-        _put(at, table, key.split("."), value)
+    for key in into:
+        _put(at, table, key.split("."), cell[key])
     if off is not None:
         words["off"] = off[0]
         for name, on in off[1].items():

@@ -36,7 +36,7 @@ def read(path: str | os.PathLike[str], *, check: bool = True) -> Experiment:
     where = files.name(path)
     data = parse_toml(where, files.load(path, LIMIT).text(LIMIT))
     with files.guard(where):
-        found = _experiment(where, path, data)
+        found = of_data(where, path, data)
     return _checked(where, found) if check else found
 
 
@@ -77,7 +77,8 @@ def _kept(small: Mapping[str, Any], experiment: Experiment, what: str) -> Iterab
     return [item for item in getattr(experiment, what) if names is None or item["name"] in names]
 
 
-def _experiment(where: str, path: str | os.PathLike[str], data: dict[str, object]) -> Experiment:
+def of_data(where: str, path: str | os.PathLike[str], data: dict[str, object]) -> Experiment:
+    """The experiment that the parsed file says; ``where`` is its name in messages."""
     top = Table(where, "", data)
     if top.integer("schema", 1, 1) is None:
         raise top.bad("schema", "1")
@@ -145,6 +146,10 @@ def _checked(where: str, found: Experiment) -> Experiment:
             raise
         except GuidewayError as error:
             raise BadFile(where, str(error)) from error
+        except Exception as error:
+            raise BadFile(
+                where, f"kind {found.kind} cannot make sense of it ({type(error).__name__}: {word(error, 100)})", todo="Correct it"
+            ) from error
     return found
 
 
@@ -212,8 +217,10 @@ def _items(top: Table, what: str, module: ModuleType) -> tuple[dict[str, Any], .
     if not raw:
         raise top.bad(what, f"at least one table headed [[{what}]]")
     found: list[dict[str, Any]] = []
+    fields = getattr(module, _FIELDS[what], None)
+    known = None if fields is None else [*fields, *(("set", "budget", "limits") if what == "methods" else ())]
     for table in raw:
-        items = expanded(table.at(), {key: table.raw(key) for key in table.keys})
+        items = expanded(table.at(), {key: table.raw(key) for key in table.keys}, known)
         found += [_item(Table(table.where, table.path, item), what, module) for item in items]
         if len(found) > MOST:
             raise BadFile(table.at(), f"there are more than {MOST} of them", f"at most {MOST}", "Use smaller grids")

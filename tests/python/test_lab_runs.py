@@ -87,9 +87,13 @@ def records(folder, name="searches"):
     return sorted(found, key=journal.key_of)
 
 
+def environment():
+    """One in which other programs find the kind of these tests."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, sys.path)])}
+
+
 def command(*words):
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(HERE), *filter(None, sys.path)])}
-    return subprocess.Popen([sys.executable, "-m", "guideway", "lab", *map(str, words)], stderr=subprocess.PIPE, text=True, env=environment)
+    return subprocess.Popen([sys.executable, "-m", "guideway", "lab", *map(str, words)], stderr=subprocess.PIPE, text=True, env=environment())
 
 
 def lines(path):

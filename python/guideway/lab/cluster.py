@@ -26,6 +26,9 @@ ALLOWED = "local, local:N (N workers on this machine), or dask://HOST:PORT of a 
 PATIENCE = 60
 """How long the first worker may take to come, s."""
 
+CONNECT = 10
+"""How long the scheduler may take to answer, s."""
+
 FLIGHTS = 256
 """Tasks that the scheduler knows at a time, for each thread of its first workers at least two."""
 
@@ -69,7 +72,7 @@ def _small(dask: Any, workers: int) -> Any:
 def _client(dask: Any, address: Any, cluster: str) -> Any:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is told here
     try:
-        client = dask.Client(address, timeout=20, set_as_default=False)
+        client = dask.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:
         todo = "check that the scheduler runs (dask scheduler) and that its port can be reached"
         raise GuidewayError(f"the cluster {cluster} cannot be reached ({error}): {todo}") from error

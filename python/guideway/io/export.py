@@ -106,10 +106,10 @@ def scene_toml(item: GridMap | Scene, target: Path) -> str:
         world["keep_out"] = [os.path.relpath(mask, target.parent or ".") for mask in scene.keep_out]
     if scene is not None and scene.speed_mask is not None:
         world["speed_mask"] = os.path.relpath(scene.speed_mask, target.parent or ".")
-    parts = [_table("[world]", world)]
+    parts = [toml_table("[world]", world)]
     if scene is not None:
-        parts += [_table(f"[[{kind}]]", fields) for shape in scene.shapes for kind, fields in shape.to_dict().items() if isinstance(fields, dict)]
-        parts += [_table("[[mover]]", _mover(mover)) for mover in scene.movers]
+        parts += [toml_table(f"[[{kind}]]", fields) for shape in scene.shapes for kind, fields in shape.to_dict().items() if isinstance(fields, dict)]
+        parts += [toml_table("[[mover]]", _mover(mover)) for mover in scene.movers]
         parts += _settings(scene)
     return "\n".join(parts)
 
@@ -117,17 +117,17 @@ def scene_toml(item: GridMap | Scene, target: Path) -> str:
 def _settings(scene: Scene) -> list[str]:
     parts: list[str] = []
     if scene.has_robot:
-        parts.append(_table("[robot]", {"footprint": scene.robot.footprint.to_dict(), **scene.robot.limits()}))
+        parts.append(toml_table("[robot]", {"footprint": scene.robot.footprint.to_dict(), **scene.robot.limits()}))
     if scene.lidar is not None:
-        parts.append(_table("[lidar]", vars(scene.lidar)))
+        parts.append(toml_table("[lidar]", vars(scene.lidar)))
     if (query := scene.query) is not None:
         fields = {key: value for key, value in vars(query).items() if not key.endswith("_yaw")}
         for key, point, yaw in (("start", query.start, query.start_yaw), ("goal", query.goal, query.goal_yaw)):
             fields[key] = None if point is None else [*point, *([] if yaw is None else [yaw])]
         fields["via"] = query.via or None
-        parts.append(_table("[query]", fields))
+        parts.append(toml_table("[query]", fields))
     if scene.plan is not None:
-        parts.append(_table("[plan]", {**vars(scene.plan), "set": scene.plan.set or None}))
+        parts.append(toml_table("[plan]", {**vars(scene.plan), "set": scene.plan.set or None}))
     return parts
 
 
@@ -141,7 +141,8 @@ def _mover(mover: Mover) -> dict[str, Any]:
     return {**fields, "loop": mover.loop, "phase": mover.phase, "appears": appears}
 
 
-def _table(head: str, fields: dict[str, Any]) -> str:
+def toml_table(head: str, fields: dict[str, Any]) -> str:
+    """A table of a TOML file; fields that are None are left out."""
     return "\n".join([head, *(f"{_key(key)} = {_value(value)}" for key, value in fields.items() if value is not None), ""])
 
 

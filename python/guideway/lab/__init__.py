@@ -6,6 +6,7 @@ one record per (world, query, method, seed), ``guideway lab report`` tables and 
 
 from __future__ import annotations
 
+from guideway.lab.comparing import Comparison, compare
 from guideway.lab.coordinator import run, told
 from guideway.lab.experiment import Claim, Experiment, Metric, Published, Run
 from guideway.lab.kinds import KINDS, Outcome
@@ -15,11 +16,13 @@ from guideway.lab.reading import quick, read, with_seeds
 __all__ = [
     "KINDS",
     "Claim",
+    "Comparison",
     "Experiment",
     "Metric",
     "Outcome",
     "Published",
     "Run",
+    "compare",
     "experiments",
     "packaged",
     "quick",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import importlib
 import importlib.util
 import pickle
@@ -14,11 +13,11 @@ from guideway.errors import BadFile, BadParameter
 from guideway.io.files import show
 
 PICKLED = "pickle:"
-"""Before the pickled object in base64, as :func:`guideway.lab.compare` writes it."""
+"""Before the file of a pickled object, as :func:`guideway.lab.compare` writes it."""
 
 
 def is_own(planner: str) -> bool:
-    """Is it ``file.py:Name``, ``package.module:Name`` or a pickled object, rather than a registered planner or a peer?"""
+    """Is it ``file.py:Name``, ``package.module:Name`` or ``pickle:FILE``, rather than a registered planner or a peer?"""
     return ":" in planner and not planner.startswith("peer:")
 
 
@@ -29,7 +28,7 @@ def load(planner: str, folder: str, settings: dict[str, Any] | None = None) -> A
     ``plan``. Raises :class:`guideway.GuidewayError`.
     """
     if planner.startswith(PICKLED):
-        return _with_plan(planner[:40], pickle.loads(base64.b64decode(planner.removeprefix(PICKLED))))
+        return _with_plan(planner, _unpickled(Path(folder) / planner.removeprefix(PICKLED)))
     place, _, name = planner.rpartition(":")
     found = getattr(_module(planner, place, folder), name, None)
     if found is None:
@@ -39,6 +38,13 @@ def load(planner: str, folder: str, settings: dict[str, Any] | None = None) -> A
             raise BadParameter(f"planner {show(planner)}: {name} has no method plan(query) and cannot be called")
         found = found(**(settings or {}))
     return _with_plan(planner, found)
+
+
+def _unpickled(path: Path) -> Any:
+    try:
+        return pickle.loads(path.read_bytes())
+    except Exception as error:  # whatever the object does when it is made again
+        raise BadFile(str(path), f"the planner in it cannot be made again ({type(error).__name__}: {error})") from error
 
 
 def _with_plan(planner: str, found: Any) -> Any:

@@ -8,7 +8,7 @@ export PROPTEST_RNG_SEED ?= 20261122
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock pyproject.toml
 PYTHON_SOURCES := $(shell find python -type f -not -name '*.so' -not -path '*/__pycache__/*')
 
-.PHONY: demo test test-slow lint fmt bench docs clean tools
+.PHONY: demo test test-slow lint fmt bench results results-quick docs clean tools
 
 demo: $(VENV)/.installed
 	$(BIN)/guideway demo --out guideway-demo
@@ -37,6 +37,16 @@ bench: $(VENV)/.tested
 	$(BIN)/python -m pip install --quiet -c constraints.txt -r benches/requirements.txt
 	$(BIN)/python benches/run.py
 
+# Every experiment in its small version, and the report: at most ten minutes on two cores. `make results` is the whole: many hours. Both go on where they
+# were stopped.
+results-quick: $(VENV)/.results
+	$(BIN)/guideway lab run all --quick --resume --out results/quick
+	$(BIN)/guideway lab report results/quick
+
+results: $(VENV)/.results
+	$(BIN)/guideway lab run all --resume --out results/full
+	$(BIN)/guideway lab report results/full
+
 docs: $(VENV)/.installed
 	cargo doc --no-deps --package guideway
 	$(BIN)/python -m pip install --quiet -c constraints.txt pdoc
@@ -57,7 +67,11 @@ $(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/p
 	@touch $@
 
 $(VENV)/.tested: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,figures,mujoco,test]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,figures,lab,mujoco,test,tune]'
+	@touch $@
+
+$(VENV)/.results: $(VENV)/.installed
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,lab,mujoco,peers,tune]'
 	@touch $@
 
 clean:

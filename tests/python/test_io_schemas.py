@@ -79,7 +79,8 @@ ARM: dict[str, Any] = {
     "grid": {"s": [0, 1], "x": [0, 0], "mvc": [None, 1], "active": ["speed of a", None]},
     "report": {},
 }
-GOOD = {"arm": ARM, "plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
+SUMMARY: dict[str, Any] = {"schema": 1, "guideway": "0.1.0", "experiments": []}
+GOOD = {"summary": SUMMARY, "arm": ARM, "plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
 
 
 def accepts(name: str, value: object) -> bool:

@@ -198,12 +198,11 @@ def value_of(record: Record, metric: str) -> float | None:
 
 
 def spent(record: Record, budget: Mapping[str, Any]) -> float | None:
-    """Evaluations that a run used: as measured, else the end of its curve, else its whole budget."""
-    for value in (value_of(record, "evaluations"), last_evaluation(record.get("curve"))):
-        if value is not None:
-            return value
-    allowed = budget.get("evaluations")
-    return float(allowed) if isinstance(allowed, int | float) else None
+    """Evaluations that a run used: as measured, else its whole budget, else the end of its curve."""
+    measured, allowed = value_of(record, "evaluations"), budget.get("evaluations")
+    if measured is not None:
+        return measured
+    return float(allowed) if isinstance(allowed, int | float) else last_evaluation(record.get("curve"))
 
 
 def pairs(one: Sequence[Cell | None], other: Sequence[Cell | None], metric: str) -> list[tuple[float, float]]:

@@ -303,7 +303,9 @@ def profiles(table: Grid) -> dict[str, Any] | None:
 
 
 def growths(table: Grid) -> list[dict[str, Any]]:
-    """Fits of c n^p over worlds that have a ``size``: per method, measure or time, and values of the worlds' other fields."""
+    """Fits of c n^p (``points``: size and median of each world) over worlds that have a ``size``: per method, measure or time, and values of
+    the worlds' other fields.
+    """
     worlds = {str(world["name"]): world for world in table.experiment.worlds if isinstance(world.get("size"), int | float)}
     if len({world["size"] for world in worlds.values()}) < 2:
         return []
@@ -318,7 +320,8 @@ def growths(table: Grid) -> list[dict[str, Any]]:
     for (method, name, label), points in sets.items():
         found = growth([size for size, _ in points], [value for _, value in points])
         if found:
-            rows.append({"method": method, "metric": name, "group": label, "points": [list(point) for point in sorted(points)], **found.to_dict()})
+            fit = found.to_dict() | {"points": [list(point) for point in sorted(points)]}
+            rows.append({"method": method, "metric": name, "group": label, **fit})
     return rows
 
 

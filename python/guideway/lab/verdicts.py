@@ -124,7 +124,7 @@ def within(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
         verdict = HOLDS if inside else OPEN if near else FAILS
         rows.append({"world": cell.world, "verdict": verdict, "mean": found.mean, "low": found.low, "high": found.high, "n": found.n})
     reason = "; ".join(f"{row['world']}: {mean_words(row, metric)}" for row in decisive_rows(rows)[:4])
-    bound = f"(asked: {number(claim.value, metric)} +- {number(tolerance, metric)})"
+    bound = f"(asked: {number(claim.value, metric)} ± {number(tolerance, metric)})"
     return worst(rows), f"{reason} {bound}", {"worlds": rows}
 
 

@@ -1,0 +1,34 @@
+"""The HTML report: summaries and what is drawn of them in one file that works offline."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+from guideway.view.report import clean, embed, fill
+
+from .drawing import Budget, drawing
+from .loading import Loaded
+
+SHARED = ("kit.js", "raster.js")
+SCRIPTS = ("words.js", "charts.js", "plots.js", "ranks.js", "results.js", "paths.js", "experiment.js", "overview.js", "lab.js")
+MOST_TEXT = 40_000
+"""Characters of an experiment's file that the page shows."""
+
+
+def page(summaries: Sequence[dict[str, Any]], found: Sequence[Loaded], title: str = "Guideway lab") -> str:
+    """The text of the report."""
+    budget = Budget()
+    entries = [one | {"drawing": drawing(loaded.grid, budget), "text": loaded.text[:MOST_TEXT]} for one, loaded in zip(summaries, found, strict=True)]
+    data = clean({"schema": 1, "title": title, "experiments": entries, "worlds": budget.worlds})
+    shared, own = files("guideway.view").joinpath("page"), files("guideway.lab.report").joinpath("page")
+    scripts = [shared.joinpath(name) for name in SHARED] + [own.joinpath(name) for name in SCRIPTS]
+    parts = {
+        "title": html.escape(title),
+        "style": shared.joinpath("report.css").read_text("utf-8") + own.joinpath("lab.css").read_text("utf-8"),
+        "script": "\n".join(script.read_text("utf-8") for script in scripts),
+        "data": embed(data),
+    }
+    return fill(own.joinpath("lab.html").read_text("utf-8"), parts)

@@ -118,6 +118,15 @@ def deviation(record: Mapping[str, Any], query: gw.Query) -> float | None:
     return _off(driven[met[0] :, 1:3], line) if met else None
 
 
+def accuracy(record: Mapping[str, Any]) -> float:
+    """100 % less the mean distance of the driven path, every 0.05 m, from the first plan in cells of 1 m; at least 0."""
+    driven, line = np.asarray(record["driven"], float)[:, 1:3], np.asarray(record["plan"]["polyline"], float)
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(driven, axis=0).T))])
+    keep = np.concatenate([[True], np.diff(s) > 0])
+    even = np.stack([np.interp(np.arange(0, s[-1] + 1e-9, 0.05), s[keep], driven[keep, k]) for k in (0, 1)], axis=1)
+    return 100 * max(0.0, 1 - _off(even, line))
+
+
 def _off(points: np.ndarray, line: np.ndarray) -> float:
     """Mean distance of points from a polyline."""
     p, a, b = points[:, None], line[None, :-1], line[None, 1:]

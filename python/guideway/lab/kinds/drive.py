@@ -48,14 +48,29 @@ _UNITS = {
     "": ("hit", "hit_moving", "hit_parked", "timeout", "stuck", "ssf", "asf", "over", "replans", "stops", "hindered", "objective"),
 }
 _LOWER = {name: unit for unit, names in _UNITS.items() for name in names}
-_HIGHER = {"arrived": "", "success": "", "near_success": "", "separation": "m", "ms": "%", "psi": "%", "smoothness": "", "auc": "", "free": ""}
+_HIGHER = {
+    "arrived": "",
+    "success": "",
+    "near_success": "",
+    "separation": "m",
+    "ms": "%",
+    "psi": "%",
+    "smoothness": "",
+    "accuracy": "%",
+    "clean": "",
+    "reached": "",
+    "auc": "",
+    "free": "",
+}
 METRICS = {
     **{name: Metric(name, unit, "lower", 3) for name, unit in _LOWER.items()},
     **{name: Metric(name, unit, "higher", 3) for name, unit in _HIGHER.items()},
     "way": Metric("way", "", None, 3),
     "evaluations": Metric("evaluations", "", "lower", 0),
+    "iterations": Metric("iterations", "", "lower", 0),
 }
-"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m);
+"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m;
+``clean``: no hit while moving; ``reached``: arrived, where a way exists);
 drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``)."""
 
 
@@ -85,6 +100,7 @@ def run(run: Run) -> Outcome:
     measures = plan_measures(found, motion, site) | drive_measures(record, site.query)
     if method.get("way"):
         measures["way"] = movers.way_exists(site.query, _limit(method, motion) or record["time"])
+        measures["reached"] = measures["arrived"] if measures["way"] else None
     times |= {f"step_{name}": record["step_seconds"][name] for name in ("mean", "p95", "p99")}
     times |= driven.plan_energies(record, times["plan_cpu"])
     plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in measures.items()}
@@ -157,7 +173,11 @@ def plan_measures(found: planning.Planned, motion: gw.Trajectory, site: Site) ->
     """Of the plan and its motion."""
     told = {"planned": motion.path.length, "duration": motion.duration, "over": driven.over_ceiling(motion, site.limits)}
     told |= driven.jerks(motion) | driven.hindrance(motion, site.query.world)
-    return told | {"objective": getattr(found, "cost", None), "evaluations": getattr(found, "evaluations", None)}
+    return told | {
+        "objective": getattr(found, "cost", None),
+        "evaluations": getattr(found, "evaluations", None),
+        "iterations": getattr(found, "iterations", None),
+    }
 
 
 def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]:
@@ -169,6 +189,7 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
         "success": arrived and (nearest is None or nearest >= driven.SAFE),
         "near_success": arrived and (nearest is None or nearest >= driven.NEARLY),
         "hit": hit is not None,
+        "clean": not (hit and not hit["unavoidable"]),
         "hit_moving": bool(hit and not hit["unavoidable"]),
         "hit_parked": bool(hit and hit["unavoidable"]),
         "timeout": outcome == "timeout",
@@ -182,6 +203,7 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
         "length_deviation": tracking["length_deviation"],
         "ts": tracking["ts"],
         "deviation": driven.deviation(record, query),
+        "accuracy": driven.accuracy(record),
         "smoothness": driven.smoothness(np.asarray(record["driven"], float)[:, 1:3]),
     }
     told |= {name: None if tracking[name] is None else 100 * tracking[name] for name in ("tpe", "tte", "path_error")}

@@ -39,6 +39,7 @@ WORLD: Mapping[str, Any] = {
 }
 NEAR, CLOSE = 1.01, 0.01
 """T/T* that counts as reached; share of a torque limit that a violation may have."""
+ROUNDING = 1e-9
 SOON, LATE = 1.05, 1.03
 """T/T* that trials four and six are to have."""
 
@@ -61,6 +62,7 @@ METRICS = {
         Metric("feasible", "", "higher", 3),
         Metric("close", "", "higher", 3),
         Metric("use", "", None, 4),
+        Metric("within", "", "higher", 3),
         Metric("duration", "s", "lower", 4),
         Metric("optimum", "s", None, 4),
     )
@@ -69,7 +71,7 @@ METRICS = {
 true and without a measured violation; ``to_near``: the first without a true one at T/T* of at most 1.01. ``first_ratio``, ``last_ratio``; ``soon``:
 at most 1.05 in the fourth trial, ``late``: at most 1.03 in the sixth. Of the last trial: the true ``violation`` (below 0: inside), ``time_over``,
 whether it is ``feasible``. ``worst``: largest violation from the third trial on, ``close``: it is at most 1 %. ``bound_ratio``: the largest lower
-bound that the learner stated over T*. ``use``: how much of the limits of speed and acceleration the last motion uses."""
+bound that the learner stated over T*. ``use``: how much of the limits of speed and acceleration the last motion uses, ``within``: no more than all."""
 
 
 def run(run: Run) -> Outcome:
@@ -104,7 +106,7 @@ def judged(found: Learned, task: Task, best: float) -> tuple[dict[str, Any], lis
             curve.append([k + 1, ratios[k]])
     late = max(true[2:], default=None)
     bounds = [trial.lower_bound / best for trial in trials if trial.lower_bound is not None]
-    last = trials[-1]
+    last, use = trials[-1], task.kinematic_ratio(found.motions[-1].dense())
     return {
         "ratio": curve[-1][1] if curve else None,
         "trials": len(trials),
@@ -121,7 +123,8 @@ def judged(found: Learned, task: Task, best: float) -> tuple[dict[str, Any], lis
         "time_over": last.time_over,
         "feasible": true[-1] <= 0,
         "close": None if late is None else late <= CLOSE,
-        "use": task.kinematic_ratio(found.motions[-1].dense()),
+        "use": use,
+        "within": use <= 1 + ROUNDING,
         "duration": last.duration,
         "optimum": best,
     }, curve

@@ -68,10 +68,15 @@ METRICS = {
     "way": Metric("way", "", None, 3),
     "evaluations": Metric("evaluations", "", "lower", 0),
     "iterations": Metric("iterations", "", "lower", 0),
+    "plan_cpu": Metric("plan_cpu", "s", "lower", 4),
+    "sptec": Metric("sptec", "W s", "lower", 2),
+    "tsec": Metric("tsec", "kW h", "lower", 3),
+    "step_p99": Metric("step_p99", "s", "lower", 5),
 }
 """Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m;
 ``clean``: no hit while moving; ``reached``: arrived, where a way exists);
-drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``)."""
+drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``).
+The last four depend on the machine."""
 
 
 @dataclass(frozen=True, eq=False)

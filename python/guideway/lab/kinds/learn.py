@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from guideway.errors import BadParameter, Infeasible
+from guideway.errors import BadParameter, GuidewayError, Infeasible
 from guideway.lab.experiment import Experiment, Metric, Run
 from guideway.lab.kinds import Outcome
 
@@ -71,7 +72,7 @@ METRICS = {
 true and without a measured violation; ``to_near``: the first without a true one at T/T* of at most 1.01. ``first_ratio``, ``last_ratio``; ``soon``:
 at most 1.05 in the fourth trial, ``late``: at most 1.03 in the sixth. Of the last trial: the true ``violation`` (below 0: inside), ``time_over``,
 whether it is ``feasible``. ``worst``: largest violation from the third trial on, ``close``: it is at most 1 %. ``bound_ratio``: the largest lower
-bound that the learner stated over T*. ``use``: how much of the limits of speed and acceleration the last motion uses, ``within``: no more than all."""
+bound that the learner stated over T*. ``use``: how much of the limits of speed and acceleration the last motion takes, ``within``: at most all."""
 
 
 def run(run: Run) -> Outcome:
@@ -193,23 +194,52 @@ def _optimum(task: Task, world: Mapping[str, Any], number: int | None) -> float:
 
 
 def check(experiment: Experiment) -> None:
-    """Raises :class:`guideway.BadParameter` for what is not known, before any run."""
+    """Raises :class:`guideway.BadParameter` for what is not known, before any run. Robots, paths and settings are only looked at where arms work."""
     from guideway.arm.learning import LEARNERS
     from guideway.plants.arm import PLANTS
+    from guideway.plants.arm_friction import KINDS
 
     for world in experiment.worlds:
         where = f"world {world['name']!r}"
-        if world.get("make") != "arm":
-            raise BadParameter(f"{where}: make {world.get('make')!r} is not known: arm")
-        if world.get("plant", "ideal") not in PLANTS:
-            raise BadParameter(f"{where}: plant {world['plant']!r} is not known: one of {', '.join(PLANTS)}")
+        for name, allowed in (("make", ("arm",)), ("plant", PLANTS), ("friction", KINDS), ("random", (True, False))):
+            value = world.get(name, None if name == "make" else WORLD[name])
+            if value not in allowed or (name == "random" and not isinstance(value, bool)):
+                raise BadParameter(f"{where}: {name} {value!r} is not known: one of {', '.join(map(str, allowed))}")
         for name in ("payload", "noise", "acceleration"):
-            value = world.get(name, 1.0)
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e6:
-                raise BadParameter(f"{where}: {name} {value!r} is not a number from 0")
+            _number(where, name, world.get(name, 1.0))
+        for name in ("torque", "payload_at"):
+            if not isinstance(world.get(name, []), (list, tuple)):
+                raise BadParameter(f"{where}: {name} {world[name]!r} is not a list of numbers")
     for method in experiment.methods:
         where, trials = f"method {method['name']!r}", method.get("trials", 6)
         if method.get("learner") not in LEARNERS:
             raise BadParameter(f"{where}: learner {method.get('learner')!r} is not known: one of {', '.join(LEARNERS)}")
         if isinstance(trials, bool) or not isinstance(trials, int) or not 1 <= trials <= 100_000:
             raise BadParameter(f"{where}: trials {trials!r} is not a whole number from 1 to 100000")
+    if importlib.util.find_spec("pinocchio") is not None:
+        _check_tasks(experiment)
+
+
+def _number(where: str, name: str, value: object) -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < 1e6:
+        raise BadParameter(f"{where}: {name} {value!r} is not a number from 0")
+
+
+def _check_tasks(experiment: Experiment) -> None:
+    """The task of each world and the learner of each method, made."""
+    from guideway.arm.learning import make_learner
+
+    task = None
+    for given in experiment.worlds:
+        world = {**WORLD, **given}
+        try:
+            task = _task(world["robot"], world["path"], float(world["acceleration"]), _torque(world))
+            plant_of(task, world | {"random": False}, 0)
+        except (GuidewayError, TypeError, ValueError) as error:
+            raise BadParameter(f"world {world['name']!r}: {error}") from None
+    for method in experiment.methods:
+        assert task is not None  # an experiment has a world
+        try:
+            make_learner(method["learner"], task, method.get("set", {}))
+        except (GuidewayError, TypeError, ValueError) as error:
+            raise BadParameter(f"method {method['name']!r}: set: {error}") from None

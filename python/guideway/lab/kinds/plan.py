@@ -134,7 +134,7 @@ def measured(
         whole = abs(steps["length"] - measures["length"]) < 1e-6 * steps["length"]  # else it begins or ends beside a centre
         measures |= steps if whole else {name: steps[name] for name in ("diagonals", "straights")}
     measures |= measuring.gaps(measures, of, steps is not None)
-    measures["accuracy"] = None if measures["gap"] is None else 100 / (1 + measures["gap"] / 100)
+    measures["accuracy"] = None if measures["gap"] is None or not measures["length"] else 100 / (1 + measures["gap"] / 100)
     curve = None
     if ours:
         same = math.isclose(found.cost, measures["length"], rel_tol=1e-6)  # else the search minimises something else

@@ -26,6 +26,8 @@ OURS = {"reachability": "spline", "bisection": "spline", "jerk": "spline", "poin
 TOLERANCE = 1e-6
 """Excess (%) and miss that are rounding."""
 RUN = "run"
+LEAST, MOST = {"points": 2, "joints": 1, "axes": 1}, 10_000
+"""Whole numbers a world may have."""
 
 METRICS = {
     metric.name: metric
@@ -37,9 +39,11 @@ METRICS = {
         Metric("excess_jerk", "%", "lower", 4),
         Metric("kept", "", "higher", 3),
         Metric("miss", "", "lower", 9),
+        Metric("call_cpu", "s", "lower", 7),
     )
 }
-"""Of a motion: its duration, the largest excess over any limit and over each, whether it kept all (rounding aside), how far it ends from its goal."""
+"""Of a motion: its duration, the largest excess over any limit and over each, whether it kept all (rounding aside), how far it ends from its goal;
+processor time of a call, which depends on the machine."""
 
 
 def run(run: Run) -> Outcome:
@@ -120,9 +124,16 @@ def _check_world(world: Mapping[str, Any]) -> None:
         usual = MAKERS[make].get(name)
         if usual is None:
             raise BadParameter(f"{where}: {name!r} is no argument of {make}: one of {', '.join(MAKERS[make])}")
-        fits = isinstance(value, bool) if isinstance(usual, bool) else isinstance(value, (int, float)) and not isinstance(value, bool) and value >= 0
-        if not fits and not (name == "seed" and value == RUN):
+        if not _fits(name, value, usual) and not (name == "seed" and value == RUN):
             raise BadParameter(f"{where}: {name} {value!r} cannot be used: such as {usual!r}" + (f' or "{RUN}"' if name == "seed" else ""))
+
+
+def _fits(name: str, value: object, usual: object) -> bool:
+    if isinstance(usual, bool) or isinstance(value, bool):
+        return isinstance(usual, bool) and isinstance(value, bool)
+    if name in LEAST or name == "seed":
+        return isinstance(value, int) and LEAST.get(name, 0) <= value <= MOST
+    return isinstance(value, (int, float)) and 0 <= value <= (1 if name == "share" else 12)
 
 
 def _check_method(method: Mapping[str, Any], makes: set[Any]) -> None:

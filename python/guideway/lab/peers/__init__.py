@@ -36,7 +36,7 @@ class Answer:
     value: float | None = None
     evaluations: int | None = None
     history: list[list[float]] = field(default_factory=list)
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
 
     @property
     def path(self) -> Path | None:

@@ -47,6 +47,7 @@ class Part:
     map: str
     controller: str
     set: str
+    mover_speed: float | None = None
 
 
 @cache
@@ -80,6 +81,7 @@ def run(part: Part) -> Row:
     drive = driving.Drive(query, motion(job), job.limits, planner=job.planner, seed=part.seed, time_limit=scene.query.time_limit)
     drive.arrival, drive.stop_at_goal = scene.query.arrival, scene.query.stop
     drive.sense, drive.lidar, drive.map = "lidar", scene.lidar.to_dict(), part.map
+    drive.mover_speed = scene.mover_speed if part.mover_speed is None else part.mover_speed
     if part.controller:
         drive.controller = part.controller
     drive.set = json.loads(part.set)
@@ -177,13 +179,16 @@ def main() -> None:
     parser.add_argument("--only", type=int, nargs="+", metavar="N", help="these worlds")
     parser.add_argument("--controller", default="", metavar="NAME")
     parser.add_argument("--set", default="{}", metavar="JSON", help="parameters of the controller")
+    parser.add_argument("--mover-speed", type=float, metavar="V", help="top speed of what moves, m/s (default: that of the collection)")
     parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count(), metavar="N")
     parser.add_argument("--out", type=Path, default=Path("experiments/results/barn"), metavar="FOLDER")
     parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
     asked = parser.parse_args()
     file = str(find_collection(asked.collection, asked.worlds))
     worlds = asked.only or world_numbers(file)[:: asked.every]
-    parts = [Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set) for s in range(asked.seeds) for w in worlds]
+    parts = [
+        Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set, asked.mover_speed) for s in range(asked.seeds) for w in worlds
+    ]
     rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}.jsonl", asked.workers)
     line = summary(f"{asked.collection}, {asked.map}", rows)
     print(f"{HEAD}\n{line}")

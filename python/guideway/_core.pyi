@@ -448,6 +448,7 @@ def drive(
     observe: _Observer | None = None,
     trace: bool = False,
     speed_map: SpeedMap | None = None,
+    mover_speed: float | None = None,
 ) -> dict[str, Any]: ...
 
 @final
@@ -477,6 +478,7 @@ class Pilot:
         lidar: Mapping[str, Any] | None = None,
         map: str = "known",
         speed_map: SpeedMap | None = None,
+        mover_speed: float | None = None,
     ) -> Pilot: ...
     def step(
         self,

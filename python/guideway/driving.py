@@ -36,6 +36,7 @@ class Drive:
     trace: bool = False
     keep_out: list[str] = field(default_factory=list)
     speed_mask: str | None = None
+    mover_speed: float | None = None
 
 
 def drive(
@@ -55,6 +56,7 @@ def drive(
     plant: str | Plant = "unicycle",
     observe: jobs.Observer | None = None,
     trace: bool = False,
+    mover_speed: float | None = None,
 ) -> dict[str, Any]:
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
@@ -62,14 +64,15 @@ def drive(
     (m) is how near the goal counts as arrived; ``time_limit`` is in s (default three times the planned duration and a minute). ``sense`` is
     "truth" or "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise``
     in m, ``rate`` in Hz); with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to
-    plan the first motion in). ``plant`` is what is driven, one of
+    plan the first motion in). ``mover_speed`` is the top speed (m/s) of whatever moves on the site, which no scan can tell: by default it is guessed
+    from each track. ``plant`` is what is driven, one of
     :data:`guideway.plants.PLANTS` or an object of your own (:class:`guideway.plants.Plant`); what that raises is raised. With ``trace`` the record
     holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
     asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit)
     asked.sense, asked.lidar, asked.map, asked.observe, asked.trace = sense, dict(lidar or {}), map, observe, trace
-    asked.plant = plant
+    asked.plant, asked.mover_speed = plant, mover_speed
     return run(asked)
 
 
@@ -93,6 +96,7 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         observe=drive.observe,
         trace=drive.trace,
         speed_map=None if drive.speed_mask is None else _core.SpeedMap.load(drive.speed_mask, drive.limits.speed),
+        mover_speed=drive.mover_speed,
     )
     return record(drive, raw, folder) | {"plant": plants.report_of(plant)}
 
@@ -112,6 +116,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "sense": drive.sense,
         "lidar": drive.lidar or None,
         "map": drive.map,
+        "mover_speed": drive.mover_speed,
         "world": jobs.world_record(world, folder, drive.keep_out),
         "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
         "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),

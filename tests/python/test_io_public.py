@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +43,10 @@ def test_a_dynabarn_world() -> None:
     assert np.array(scene.shapes[0].points).min(0).tolist() == [-10.25, -10.0]  # type: ignore[union-attr]
     assert {len(m.track) > 2 and m.track[0][0] == 0 for m in scene.movers} == {True}
     assert set(scene.files) == {"dynabarn_worlds.json", "dynabarn_traj.json"}
+    # the fastest leg of all motions of the collection
+    assert scene.mover_speed is not None
+    legs = [(a, b) for m in scene.movers for a, b in pairwise(m.track)]
+    assert max(math.dist(a[1:], b[1:]) / (b[0] - a[0]) for a, b in legs) <= scene.mover_speed < 2.0
 
 
 def test_a_barn_world() -> None:
@@ -67,9 +73,11 @@ def test_every_world_of_the_collections_converts(data: Path, tmp_path: Path) -> 
         assert len(scene.shapes) == 3
         assert 5 <= len(scene.movers) <= 24
         assert {m.loop for m in scene.movers} == {"cycle"}
+        assert scene.mover_speed == pytest.approx(1.947, abs=1e-3)
         gio.write_map(scene, tmp_path / "d.toml")
         again = gio.load_scene(tmp_path / "d.toml")
         assert (again.movers, again.query, again.robot, again.lidar) == (scene.movers, scene.query, scene.robot, scene.lidar)
+        assert again.mover_speed == scene.mover_speed
 
 
 def test_public_maps_load(data: Path) -> None:

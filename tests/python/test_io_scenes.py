@@ -20,6 +20,7 @@ FULL = """
 [world]
 bounds = [0, 0, 10, 6]
 resolution = 0.05
+mover_speed = 1.6
 [[disc]]
 center = [1.2, 0.95]
 radius = 0.4
@@ -92,6 +93,7 @@ def test_every_field_arrives(full: Path) -> None:
         "lateral_acceleration": None,
     }
     assert scene.lidar == gio.Lidar(beams=720)
+    assert scene.mover_speed == 1.6
     assert scene.query is not None
     assert (scene.query.start, scene.query.start_yaw, scene.query.goal, scene.query.goal_yaw) == ((0, 0), None, (5, 3), 1.5)
     assert (scene.query.clearance, scene.query.arrival, scene.query.material) == (0.3, 0.1, "long")
@@ -104,7 +106,7 @@ def test_scene_written_and_read_is_the_same(full: Path) -> None:
     scene = gio.load_scene(full)
     gio.write_map(scene, full.with_name("again.toml"))
     again = gio.load_scene(full.with_name("again.toml"))
-    for field in ("bounds", "resolution", "shapes", "movers", "robot", "lidar", "query", "plan"):
+    for field in ("bounds", "resolution", "mover_speed", "shapes", "movers", "robot", "lidar", "query", "plan"):
         assert getattr(again, field) == getattr(scene, field), field
 
 

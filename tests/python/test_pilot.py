@@ -111,6 +111,7 @@ def test_scans_instead_of_tracks_and_a_lidar_that_goes_silent():
         ({"map": "none"}, "map"),
         ({"lidar": {"beams": -1}}, "lidar"),
         ({"lidar": {"rate": 0}}, "rate"),
+        ({"lidar": {"beams": 9}, "mover_speed": -1.0}, "mover_speed"),
         ({"planner": "nobody"}, "planner"),
     ],
 )

@@ -84,12 +84,26 @@ def test_a_csv_that_makes_no_sense_is_refused(tmp_path, text, said, capsys):
         (["--barn", "1", "--worlds", "nowhere.json.gz"], "nowhere.json.gz"),
         (["--dynabarn", "-1"], "--dynabarn"),
         (["room.toml", "--movers", "people.csv", "--mover-radius", "0"], "--mover-radius"),
+        (["room.toml", "--mover-speed", "0"], "--mover-speed"),
+        (["room.toml", "--sense", "lidar", "--mover-speed", "1e6"], "mover_speed"),
     ],
 )
 def test_wrong_words_are_told(words, said, capsys, monkeypatch):
     monkeypatch.delenv("GUIDEWAY_DATA", raising=False)
     assert main(["drive", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_the_top_speed_of_the_site_is_of_the_scene_or_of_the_command(tmp_path):
+    (tmp_path / "site.toml").write_text(ROOM.replace("[world]", "[world]\nmover_speed = 1.7"))
+    found = []
+    for words in (["room.toml"], ["site.toml"], ["site.toml", "--mover-speed", "2.5"]):
+        assert main(["drive", *words, "--movers", "people.csv", "--sense", "lidar", "--out", "run.json"]) == 0
+        run = json.loads((tmp_path / "run.json").read_text())
+        # a disc that movers could reach before the robot stands grows with their bound
+        found.append((run["mover_speed"], next(step["discs"][0][2] for step in run["trace"]["steps"] if step["discs"])))
+    assert [speed for speed, _ in found] == [None, 1.7, 2.5]
+    assert found[0][1] < found[1][1] < found[2][1]
 
 
 def test_the_lidar_of_the_python_face_is_checked():

@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 ///
 /// It follows `trajectory`, made for `query`, with one of :func:`controllers`; `set` holds the controller's parameters. Where the way is blocked `planner` plans anew.
 /// With `lidar` (a dictionary or :class:`Lidar`: beams, `field_of_view` in rad, range in m, noise in m, rate in Hz) steps take scans instead of tracks; with `map="none"` the
-/// world of the query gives the bounds only. `speed_map` (:class:`SpeedMap`) says how fast may be driven where.
+/// world of the query gives the bounds only. `mover_speed` (m/s) is the top speed of whatever moves on the site, which no scan can tell (default: guessed from each track). `speed_map` (:class:`SpeedMap`) says how fast may be driven where.
 #[pyclass(frozen, module = "guideway")]
 pub struct Pilot {
     inner: Mutex<State>,
@@ -79,7 +79,7 @@ impl Pilot {
 #[pymethods]
 impl Pilot {
     #[new]
-    #[pyo3(signature = (query, trajectory, controller, *, planner="visibility", set=None, seed=0, lidar=None, map="known", speed_map=None))]
+    #[pyo3(signature = (query, trajectory, controller, *, planner="visibility", set=None, seed=0, lidar=None, map="known", speed_map=None, mover_speed=None))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     fn new(
         py: Python<'_>,
@@ -92,6 +92,7 @@ impl Pilot {
         lidar: Option<&Bound<'_, PyAny>>,
         map: &str,
         speed_map: Option<&SpeedMap>,
+        mover_speed: Option<f64>,
     ) -> PyResult<Self> {
         let lidar = lidar.map(|l| from_python::<core::Lidar>("lidar", l)).transpose()?;
         let known = match map {
@@ -104,7 +105,7 @@ impl Pilot {
             .with_speed_map(speed_map.map(|m| Arc::clone(&m.inner)));
         let mut job = core::Job::new(&query.inner, &trajectory.inner).or_py(py)?;
         job.sense = lidar.map_or(core::Sense::Truth, core::Sense::Lidar);
-        job.map_known = known;
+        (job.map_known, job.mover_speed) = (known, mover_speed);
         job.speed_map = speed_map.map(|m| Arc::clone(&m.inner));
         let world = if known { Arc::clone(&query.inner.world) } else { Arc::new(query.inner.world.emptied().or_py(py)?) };
         let setup = core::Setup { world, robot: job.robot.clone(), clearance: query.inner.clearance };

@@ -37,6 +37,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mover-radius", type=float, default=0.25, metavar="M", help="radius of the discs of a CSV, m (default 0.25)")
     options.add_site(parser)
     parser.add_argument("--sense", default="truth", metavar="HOW", help="how movers are seen: truth (default), or lidar: simulated, and tracked")
+    about = "top speed of whatever moves on the site, m/s, which no lidar can tell (default: the scene's; else guessed from each track)"
+    parser.add_argument("--mover-speed", type=float, metavar="V", help=about)
     parser.add_argument("--map", default="known", metavar="HOW", help="what the robot knows of the map: known (default), or none but its bounds")
     parser.add_argument(
         "--plant", default="unicycle", metavar="NAME", help="what is driven: unicycle (default), with lags and noise, or mujoco, simulated"
@@ -86,6 +88,7 @@ def _check(arguments: argparse.Namespace) -> None:
             raise BadParameter(f"--video {arguments.video!r} has no ending that is known: use .gif for a film, .png for a picture")
     options.positive("--time-limit", arguments.time_limit)
     options.positive("--mover-radius", arguments.mover_radius)
+    options.positive("--mover-speed", arguments.mover_speed)
     options.count("--seed", arguments.seed)
 
 
@@ -142,6 +145,7 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
     drive.time_limit = arguments.time_limit or drive.time_limit
     drive.trace = bool(arguments.out or arguments.report)
     drive.sense, drive.map = arguments.sense, arguments.map
+    drive.mover_speed = arguments.mover_speed if arguments.mover_speed is not None else drive.mover_speed
     return drive, plan
 
 
@@ -185,6 +189,7 @@ def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str,
     drive.keep_out, drive.speed_mask = job.keep_out, job.speed_mask
     if scene.query is not None:
         drive.arrival, drive.time_limit, drive.stop_at_goal = scene.query.arrival, scene.query.time_limit, scene.query.stop
+    drive.mover_speed = scene.mover_speed
     if scene.lidar is not None and arguments.sense == "lidar":
         drive.lidar = scene.lidar.to_dict()
     return drive, outcome.record

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import json
 import os
+from itertools import pairwise
+from math import dist
 from pathlib import Path
 from typing import Any
 
@@ -135,11 +137,13 @@ def _dynabarn(blob: Blob, world: Any, index: int) -> Scene:
         raise table.bad("moving", "a list of names of motions")
     shape = Footprint(disc=top.number("obstacle_radius", 0.0, 1e3, "m", above=True))
     movers = tuple(Mover(shape, _keyframes(trajectories, n), "cycle") for n in names)
+    fastest = max(map(_top_speed, (_keyframes(trajectories, key) for key in trajectories.keys)), default=None)
     walls = tuple(_wall(wall) for wall in table.tables("static"))
     goal = (start[0] + away[0], start[1] + away[1])
     query = Query((start[0], start[1]), goal, start_yaw=start[2], arrival=ARRIVAL, time_limit=TIME_LIMIT, stop=False)
     points = [*(p for wall in walls for p in wall.points), (start[0], start[1]), goal]
-    return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=walls, movers=movers, files={motions.path.name: motions.sha256})
+    files = {motions.path.name: motions.sha256}
+    return _scene(blob, index, query, bounds=_around(points, 1.0), shapes=walls, movers=movers, mover_speed=fastest, files=files)
 
 
 def _around(points: list[Point], margin: float) -> tuple[float, float, float, float]:
@@ -161,6 +165,11 @@ def _keyframes(trajectories: Table, key: str) -> tuple[tuple[float, float, float
     rows = table.rows("keyframes", 3, "[t, x, y] in s and m")
     check_times(f"{trajectories.where}, motion {word(key)}", [row[0] for row in rows])
     return tuple((t, x, y) for t, x, y in rows)
+
+
+def _top_speed(track: tuple[tuple[float, float, float], ...]) -> float:
+    """The largest speed of a motion, m/s; its jump back to the start is none."""
+    return max((dist(a[1:], b[1:]) / (b[0] - a[0]) for a, b in pairwise(track)), default=0.0)
 
 
 def _wall(table: Table) -> Polygon:

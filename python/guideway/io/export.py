@@ -106,6 +106,8 @@ def scene_toml(item: GridMap | Scene, target: Path) -> str:
         world["keep_out"] = [os.path.relpath(mask, target.parent or ".") for mask in scene.keep_out]
     if scene is not None and scene.speed_mask is not None:
         world["speed_mask"] = os.path.relpath(scene.speed_mask, target.parent or ".")
+    if scene is not None and scene.mover_speed is not None:
+        world["mover_speed"] = scene.mover_speed
     parts = [toml_table("[world]", world)]
     if scene is not None:
         parts += [toml_table(f"[[{kind}]]", fields) for shape in scene.shapes for kind, fields in shape.to_dict().items() if isinstance(fields, dict)]

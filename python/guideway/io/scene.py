@@ -38,6 +38,7 @@ def load_scene(path: str | os.PathLike[str], *, unknown: Unknown | None = None, 
     shapes = (*[_disc(t) for t in top.tables("disc")], *[_polygon(t) for t in top.tables("polygon")])
     movers = read_movers(top, folder, files)
     keep_out, speed_mask = _masks(world, folder, files)
+    mover_speed = world.optional("mover_speed", 1e-6, 100.0, "m/s")
     bounds, resolution = _extent(world, grid)
     robot, lidar, query, plan = top.table("robot"), top.table("lidar"), top.table("query"), top.table("plan")
     top.done()
@@ -57,6 +58,7 @@ def load_scene(path: str | os.PathLike[str], *, unknown: Unknown | None = None, 
         files=files,
         keep_out=keep_out,
         speed_mask=speed_mask,
+        mover_speed=mover_speed,
     )
 
 

@@ -238,7 +238,7 @@ class Scene:
     """A continuous world, what moves in it, the robot and the query.
 
     ``bounds`` is x0, y0, x1, y1 in m; ``resolution`` the side in m of the cells of grid planners; ``map`` the grid the scene stands on, or None;
-    ``files`` the sha256 of every file that was read, by the name used in the source.
+    ``files`` the sha256 of every file that was read, by the name used in the source; ``mover_speed`` the top speed in m/s of whatever moves here.
     """
 
     bounds: tuple[float, float, float, float]
@@ -257,3 +257,4 @@ class Scene:
     kind: str = "scene"
     keep_out: tuple[Path, ...] = ()
     speed_mask: Path | None = None
+    mover_speed: float | None = None

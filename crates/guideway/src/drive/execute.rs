@@ -58,6 +58,8 @@ pub struct Job<'a> {
     pub sense: Sense,
     /// Does the robot know the static world from the start? Else it knows its bounds and what its lidar has seen.
     pub map_known: bool,
+    /// Top speed of whatever moves here, m/s: what a lidar cannot tell of the movers it shows. Without it [`Eyes`](super::Eyes) have to guess.
+    pub mover_speed: Option<f64>,
     /// Plans anew where the way is blocked; without one the robot waits.
     pub replanner: Option<&'a Replanner<'a>>,
     /// How fast may be driven where.
@@ -85,6 +87,7 @@ impl<'a> Job<'a> {
             period: 0.02,
             sense: Sense::Truth,
             map_known: true,
+            mover_speed: None,
             replanner: None,
             speed_map: None,
             trace: false,

@@ -104,7 +104,7 @@ impl<'a> Pilot<'a> {
 
     /// A pilot for what a job describes, its replanner aside. Where the map is not known it plans on what its eyes have seen, from nothing on.
     /// # Errors
-    /// As [`Pilot::new`], for a lidar out of range, and for a robot without a map and a lidar.
+    /// As [`Pilot::new`], for a lidar or a speed of movers out of range, and for a robot without a map and a lidar.
     pub fn owned(job: &Job, controller: Box<dyn Controller + 'a>, replanner: Option<Box<OwnReplanner<'a>>>) -> Result<Self, PlanError> {
         let world = if job.map_known { Arc::clone(&job.query.world) } else { Arc::new(job.query.world.emptied()?) };
         let query = Query { world, ..job.query.clone() };
@@ -113,7 +113,7 @@ impl<'a> Pilot<'a> {
         match job.sense {
             Sense::Truth if job.map_known => Ok(pilot),
             Sense::Truth => Err(PlanError::bad("map", "none", "known, or none with a lidar to see by (sense)")),
-            Sense::Lidar(lidar) => Ok(pilot.with_eyes(Eyes::new(lidar, &query.world, job.map_known)?)),
+            Sense::Lidar(lidar) => Ok(pilot.with_eyes(Eyes::new(lidar, &query.world, job.map_known)?.with_mover_speed(job.mover_speed)?)),
         }
     }
 

@@ -30,8 +30,8 @@ const LEAST: f64 = 0.05;
 const GAP: f64 = 0.15;
 /// A gap in time beyond this ends all tracks, s.
 const LAPSE: f64 = 1.0;
-/// Speed that anything unexplained may take up, m/s.
-const BOUND: f64 = 1.0;
+/// Largest top speed of what moves that can be told, m/s.
+const FASTEST: f64 = 100.0;
 
 /// Turns scans into what controllers see.
 pub struct Eyes {
@@ -41,6 +41,8 @@ pub struct Eyes {
     map: LocalMap,
     filter: Filter,
     tracks: Tracks,
+    /// Top speed of what moves here, m/s, where it is known.
+    mover_speed: Option<f64>,
     /// Time of the newest good scan, s.
     last: Option<f64>,
     /// Time of the newest observation, s.
@@ -62,12 +64,24 @@ impl Eyes {
             map: LocalMap::new(world, map_known)?,
             filter: Filter::new(TRUST),
             tracks: Tracks::default(),
+            mover_speed: None,
             last: None,
             now: f64::NEG_INFINITY,
             scan: None,
             dots: Vec::new(),
             blobs: Vec::new(),
         })
+    }
+
+    /// With the top speed (m/s) of whatever moves here: the bound of every track. Without it 1 m/s or 1.2 times the speed of the track.
+    /// # Errors
+    /// [`PlanError::BadParameter`] for a speed out of range.
+    pub fn with_mover_speed(mut self, mover_speed: Option<f64>) -> Result<Self, PlanError> {
+        if let Some(speed) = mover_speed.filter(|v| !(0.0..=FASTEST).contains(v)) {
+            return Err(PlanError::bad("mover_speed", speed, format!("0 to {FASTEST} m/s")));
+        }
+        self.mover_speed = mover_speed;
+        Ok(self)
     }
 
     /// Fills tracks, known world, age and scan of an observation (time, pose and speeds are there) from a new scan, if there is one. A scan with another
@@ -93,7 +107,7 @@ impl Eyes {
         seen.scan.clone_from(&self.scan);
         seen.known = self.map.world().cloned();
         seen.tracks.clear();
-        seen.tracks.extend(self.tracks.told(seen.time, BOUND));
+        seen.tracks.extend(self.tracks.told(seen.time, self.mover_speed));
     }
 
     /// Time goes on to `now`; after a leap everything that moves is forgotten.

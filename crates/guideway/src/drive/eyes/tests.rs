@@ -234,6 +234,25 @@ fn a_hidden_mover_is_remembered_for_a_while_and_a_vanished_one_is_not() {
 }
 
 #[test]
+fn the_top_speed_of_the_site_bounds_every_track() {
+    let mover = disc(0.4, vec![[0.0, -3.0, 2.0], [6.0, 3.0, 2.0]]);
+    let bounds = |top: Option<f64>| {
+        let mut room = Room::new(walls(), vec![mover.clone()], true);
+        room.eyes = room.eyes.with_mover_speed(top).unwrap();
+        let seen: Vec<_> = (0..40).map(|i| room.step(DT * f64::from(i))).collect();
+        seen.iter().flat_map(|s| s.tracks.iter().map(|t| (t.bound, t.velocity[0].hypot(t.velocity[1])))).collect::<Vec<_>>()
+    };
+    assert!(!bounds(Some(2.5)).is_empty() && bounds(Some(2.5)).iter().all(|b| b.0 == 2.5));
+    // What is seen to be faster than was said is not believed to be slower; without a word it may become a fifth faster.
+    assert!(bounds(Some(0.1)).iter().skip(20).all(|(bound, speed)| bound == speed && *speed > 0.5));
+    assert!(bounds(None).iter().skip(20).all(|(bound, speed)| *bound == 1.0_f64.max(1.2 * speed)));
+    for wrong in [-1.0, f64::NAN, f64::INFINITY, 1e9] {
+        let room = Room::new(Vec::new(), Vec::new(), true);
+        assert!(room.eyes.with_mover_speed(Some(wrong)).is_err(), "{wrong}");
+    }
+}
+
+#[test]
 fn an_obstacle_on_the_robot_is_told() {
     // Beside the lidar it is a mover, over it there is nothing to be seen.
     let mut room = Room::new(Vec::new(), vec![disc(0.5, vec![[0.0, 0.6, 0.0]])], true);

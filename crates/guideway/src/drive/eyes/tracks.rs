@@ -26,6 +26,9 @@ const HIDING: f64 = 1.5;
 /// Something that has not gone farther than this, m, for so long, s, is static.
 const STAYS: f64 = 0.08;
 const SETTLED: f64 = 1.0;
+/// Where nobody says how fast things may move here: so fast, m/s, or so many times their speed.
+const WALK: f64 = 1.0;
+const HASTE: f64 = 1.2;
 /// Speeds known worse than this are not told, m/s.
 const VAGUE: f64 = 0.8;
 /// The outline shrinks by this share of the difference per scan, and grows by that.
@@ -105,8 +108,17 @@ impl Known {
         self.seen - self.anchor.1 >= SETTLED
     }
 
-    /// As controllers see it at `time`; `bound` (m/s) is the largest speed that is taken for granted.
-    fn track(&self, time: f64, bound: f64) -> Track {
+    /// The largest speed that it may take up, m/s; `top` is that of all that moves here, where it is known.
+    fn bound(&self, top: Option<f64>) -> f64 {
+        match top {
+            _ if self.settled() => 0.0,
+            Some(top) => top.max(self.speed()),
+            None => WALK.max(HASTE * self.speed()),
+        }
+    }
+
+    /// As controllers see it at `time`; `top` (m/s) is the largest speed of all that moves here, where it is known.
+    fn track(&self, time: f64, top: Option<f64>) -> Track {
         let dt = time - self.time;
         let settled = self.settled();
         let sure = !settled && self.p[1] < VAGUE * VAGUE;
@@ -118,7 +130,7 @@ impl Known {
             outline: Outline { points: vec![[0.0; 2]], radius: self.radius },
             position: place,
             velocity,
-            bound: if settled { 0.0 } else { bound.max(1.2 * self.speed()) },
+            bound: self.bound(top),
             doubt: 3.0 * spread.max(0.0).sqrt(),
         }
     }
@@ -197,7 +209,7 @@ impl Tracks {
     }
 
     /// What controllers see at `time`, s.
-    pub fn told(&self, time: f64, bound: f64) -> impl Iterator<Item = Track> + '_ {
-        self.all.iter().map(move |k| k.track(time, bound))
+    pub fn told(&self, time: f64, top: Option<f64>) -> impl Iterator<Item = Track> + '_ {
+        self.all.iter().map(move |k| k.track(time, top))
     }
 }

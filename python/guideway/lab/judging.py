@@ -15,16 +15,17 @@ STATISTICS = ("mean", "sd", "median", "best", "worst", "min", "max", "share")
 
 
 def read_published(top: Table, names: Names, metrics: list[str]) -> tuple[Published, ...]:
-    """The tables headed ``[[published]]``; what they name must be there."""
+    """The tables headed ``[[published]]``; what they name must be there, unless ``elsewhere = true`` says that the map or method is not."""
     return tuple(_published(table, names, metrics) for table in top.tables("published"))
 
 
 def _published(table: Table, names: Names, metrics: list[str]) -> Published:
+    elsewhere = table.flag("elsewhere")
     found = Published(
         table=_text(table, "table"),
-        world=_named(table, "world", names["worlds"]),
-        query=_named(table, "query", names["queries"], names["queries"][0]),
-        method=_named(table, "method", names["methods"]),
+        world=_text(table, "world") if elsewhere else _named(table, "world", names["worlds"]),
+        query=_text(table, "query") if elsewhere else _named(table, "query", names["queries"], names["queries"][0]),
+        method=_text(table, "method") if elsewhere else _named(table, "method", names["methods"]),
         metric=_named(table, "metric", metrics),
         statistic=table.choice("statistic", STATISTICS, "mean"),
         value=table.number("value", -1e12, 1e12, ""),

@@ -111,13 +111,15 @@ def cells_of(points: np.ndarray, world: _core.World) -> np.ndarray | None:
 
 
 def gaps(measures: Measures, of: Exact, on_lattice: bool) -> Measures:
-    """Gap to the optimum of the path's own model, that at any angle, and turns above the fewest of the shortest lattice paths."""
+    """Gap to the optimum of the path's own model, that at any angle, and turns above the fewest of the shortest lattice
+    paths (``fewest``: it is shortest and has no more)."""
     best = of.lattice if on_lattice else of.any_angle
     length = measures["length"]
     found: Measures = {"optimum": best, "gap": gap(length, best), "any_angle_gap": gap(length, of.any_angle)}
     found["hit"] = None if found["gap"] is None else found["gap"] == 0
     if on_lattice and of.lattice_turns is not None:
         found["more_turns"] = measures["turns"] - of.lattice_turns
+        found["fewest"] = found["hit"] and found["more_turns"] == 0
     return found
 
 

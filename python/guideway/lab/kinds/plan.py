@@ -54,6 +54,7 @@ METRICS = {
         Metric("accuracy", "%", "higher", 2),
         Metric("hit", "", "higher", 3),
         Metric("more_turns", "", "lower", 2),
+        Metric("fewest", "", "higher", 3),
         Metric("evaluations", "", "lower", 0),
         Metric("iterations", "", "lower", 1),
         Metric("last", "", "lower", 1),
@@ -77,6 +78,7 @@ METRICS = {
         Metric("product_energy", "cells", "lower", 4),
         Metric("plan", "s", "lower", 4),
         Metric("plan_cpu", "s", "lower", 4),
+        Metric("cpu_share", "%", None, 0),
         Metric("heap_mib", "MiB", "lower", 2),
         Metric("over_limit", "", "lower", 0),
         Metric("auc", "", "higher", 3),
@@ -107,19 +109,23 @@ def run(run: Run) -> Outcome:
         return Outcome(measures={}, curve=None, path=None, certified=False, times=times)
     of = _exact(json.dumps([dict(run.world), asked], sort_keys=True, default=str), run.folder, run.seed if _drawn(run.world) else 0)
     measures, curve = measured(found, path, query, of)
-    trajectory = _motion(found, path, query, method.get("timing"), measures)
-    certified = _certified(path, query, trajectory, measures)
+    product, certified = path, True
     if "refine" in method:
         begun = time.perf_counter()
-        certified &= _refined(path, query, method, of, measures)
+        product = _core.refine(path, query, method["refine"], max_curvature=method.get("max_curvature")).path
         times["refine"] = time.perf_counter() - begun
+        measures |= measuring.shape(product, query, "refined_")
+        measures["refined_any_angle_gap"] = measuring.gap(measures["refined_length"], of.any_angle)
+        certified = _certified(path, query, None)
     measures |= {f"product_{name}": measures.get(f"refined_{name}", measures[name]) for name in PRODUCT}
+    trajectory = _motion(found, product, query, method.get("timing"), measures)
+    certified &= _certified(product, query, trajectory) and all(value is None or math.isfinite(value) for value in measures.values())
     if method.get("heap"):
         from guideway.lab.kinds.heap import growth
 
         grown = growth(run)
         times |= {} if grown is None else {"heap_mib": grown}
-    return Outcome(measures=_plain(measures), curve=curve, path=measuring.points_of(path, query), certified=certified, times=times)
+    return Outcome(measures=_plain(measures), curve=curve, path=measuring.points_of(product, query), certified=certified, times=times)
 
 
 def measured(
@@ -192,7 +198,8 @@ def _timed(call: planning.Call, query: _core.Query, seed: int, budget: Budget, r
         found = call(query, seed, budget)
         walls.append(time.perf_counter() - wall)
         cpus.append(time.process_time() - cpu)
-    return found, {"plan": statistics.median(walls), "plan_cpu": statistics.median(cpus)}
+    wall, cpu = statistics.median(walls), statistics.median(cpus)
+    return found, {"plan": wall, "plan_cpu": cpu, "cpu_share": 100 * cpu / max(wall, 1e-9)}
 
 
 def _motion(found: planning.Planned, path: _core.Path, query: _core.Query, how: str | None, measures: measuring.Measures) -> _core.Trajectory | None:
@@ -209,18 +216,9 @@ def _motion(found: planning.Planned, path: _core.Path, query: _core.Query, how: 
     return motion
 
 
-def _refined(path: _core.Path, query: _core.Query, method: Mapping[str, Any], of: measuring.Exact, measures: measuring.Measures) -> bool:
-    refined = _core.refine(path, query, method["refine"], max_curvature=method.get("max_curvature")).path
-    after = measuring.shape(refined, query, "refined_")
-    measures |= after
-    measures["refined_any_angle_gap"] = measuring.gap(after["refined_length"], of.any_angle)
-    return _certified(refined, query, None, after)
-
-
-def _certified(path: _core.Path, query: _core.Query, trajectory: _core.Trajectory | None, measures: measuring.Measures) -> bool:
-    """Does the independent checker accept it, and is every measure a number?"""
-    finite = all(value is None or math.isfinite(value) for value in measures.values())
-    return finite and bool(_core.certify(path, query, trajectory)["ok"])
+def _certified(path: _core.Path, query: _core.Query, trajectory: _core.Trajectory | None) -> bool:
+    """Does the independent checker accept it?"""
+    return bool(_core.certify(path, query, trajectory)["ok"])
 
 
 def _plain(measures: measuring.Measures) -> dict[str, Any]:

@@ -51,7 +51,7 @@ def test_way_points_among_discs() -> None:
 
 
 def test_peers_have_the_same_budget() -> None:
-    pytest.importorskip("guideway.lab.peers")
+    pytest.importorskip("scipy")
     found = minimize.run(run_of({"optimizer": "peer:scipy-de"}, {"function": "rastrigin", "dimensions": 5}))
     assert found.certified
     assert found.measures["evaluations"] <= 1000
@@ -82,8 +82,6 @@ WORLD, METHOD = '[[worlds]]\nname = "w"\nfunction = "sphere"\n', '[[methods]]\nn
     ],
 )
 def test_complaints_come_before_any_run(tmp_path, lines, words) -> None:
-    if "peer" in lines:
-        pytest.importorskip("guideway.lab.peers")
     (tmp_path / "e.toml").write_text(EXPERIMENT + lines)
     with pytest.raises(gw.BadFile) as caught:
         read(tmp_path / "e.toml")

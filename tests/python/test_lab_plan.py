@@ -155,7 +155,7 @@ def test_errors_of_users_are_raised(folder) -> None:
 
 
 def test_motions_are_timed_and_judged_among_movers() -> None:
-    pytest.importorskip("guideway.lab.driven")
+    pytest.importorskip("scipy")
     room = {"name": "w0", "make": "room", "room": "w0", "seed": "run"}
     found = plan.run(run_of({"planner": "aide", "timing": "own"}, world=room, query={"condition": "static"}))
     told = found.measures
@@ -203,8 +203,6 @@ name = "m"
     ],
 )
 def test_complaints_come_before_any_run(folder, lines, words) -> None:
-    if "peer" in lines:
-        pytest.importorskip("guideway.lab.peers")
     (folder / "e.toml").write_text(EXPERIMENT + lines + "\n")
     with pytest.raises(gw.BadFile, match="method 'm'") as caught:
         read(folder / "e.toml")

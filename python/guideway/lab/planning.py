@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import os
 from collections.abc import Callable, Mapping
@@ -12,7 +11,7 @@ import numpy as np
 
 from guideway import _core
 from guideway.errors import BadParameter, GuidewayError
-from guideway.lab import own
+from guideway.lab import own, peers
 from guideway.records import Budget
 
 PEER = "peer:"
@@ -53,7 +52,6 @@ def planner(method: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> 
 
 
 def _peer(name: str, settings: Mapping[str, Any], where: str) -> Call:
-    peers = importlib.import_module("guideway.lab.peers")
     try:
         peer = peers.find(name, "plan")
         peer.settings(settings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 
 from guideway import _core
 from guideway.errors import BadParameter
-from guideway.lab import measuring, problems
+from guideway.lab import measuring, peers, problems
 from guideway.lab.experiment import Experiment, Metric, Run
 from guideway.lab.kinds import Outcome
 from guideway.lab.planning import PEER
@@ -66,7 +65,6 @@ def _found(method: Mapping[str, Any], problem: problems.Problem, seed: int, budg
     """Where the least value is, evaluations, iterations, and rows of evaluations and best so far."""
     name, settings = method["optimizer"], dict(method.get("set", {}))
     if name.startswith(PEER):
-        peers = importlib.import_module("guideway.lab.peers")
         answer = peers.find(name, "minimize").run((problem.one, problem.bounds), seed=seed, budget=budget.to_dict(), set=settings)
         history = np.asarray(answer.history, float).reshape(-1, 2)
         return np.asarray(answer.x, float), int(answer.evaluations), None, history
@@ -95,7 +93,6 @@ def check(experiment: Experiment) -> None:
 
 
 def _check_peer(where: str, name: str, settings: Mapping[str, Any]) -> None:
-    peers = importlib.import_module("guideway.lab.peers")
     try:
         peers.find(name, "minimize").settings(settings)
     except BadParameter as error:

@@ -33,6 +33,10 @@ def test_figures_of_a_file_are_those_of_the_copy(name) -> None:
     assert figures == copied().get(name, {})
 
 
+def test_every_figure_is_in_a_file() -> None:
+    assert set(copied()) <= set(packaged())
+
+
 def test_claims_of_a_source_name_where_they_stand() -> None:
     for name, path in packaged().items():
         experiment = read(path, check=False)

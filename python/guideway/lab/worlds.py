@@ -62,12 +62,13 @@ GENERATORS: dict[str, Generator] = {
 """The generators by the word in ``make``."""
 
 
-_COMMON = ("name", "source", "make", "resolution", "unknown", "query")
+_COMMON = ("name", "source", "make", "resolution", "unknown", "query", "condition", "crossed")
 WORLD_FIELDS = (
     *_COMMON,
     *dict.fromkeys(name for generator in GENERATORS.values() for name in generator.arguments),
 )
-"""Fields of a specification: those of every world, and the arguments of the generators."""
+"""Fields of a specification: those of every world, and the arguments of the generators. ``condition`` is that of a room; ``crossed`` is a matter of
+drives, which add movers that cross the path (:mod:`guideway.lab.kinds.drive`): the world here is without them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +157,10 @@ def _check_fields(spec: Mapping[str, Any], arguments: tuple[str, ...], where: st
     resolution = spec.get("resolution")
     if resolution is not None and (isinstance(resolution, bool) or not isinstance(resolution, (int, float)) or not resolution > 0):
         raise BadParameter(f"{where}: resolution {resolution!r} is not a length above 0 (m)")
+    if spec.get("condition", scenes.CONDITIONS[0]) not in scenes.CONDITIONS:
+        raise BadParameter(f"{where}: condition {spec['condition']!r} is not known: one of {', '.join(scenes.CONDITIONS)}")
+    if not isinstance(spec.get("crossed", False), bool):
+        raise BadParameter(f"{where}: crossed {spec['crossed']!r} is not true or false")
     if not isinstance(spec.get("query", {}), Mapping):
         raise BadParameter(f"{where}: query {spec['query']!r} is not a table")
 
@@ -175,7 +180,7 @@ def _made(words: str, folder: str) -> Place:
         asked = _asked(found)
     resolution = spec.get("resolution")
     kept = Place(spec.get("name", ""), found, _world(found), asked, resolution)
-    world = _conditioned(kept, None, where)
+    world = _conditioned(kept, spec.get("condition"), where)
     return Place(kept.name, found, world, dict(asked) | _points(world, dict(spec.get("query", {})), where), resolution)
 
 

@@ -27,16 +27,17 @@ planner), ``resolution`` of a room's cells (m), ``blind``: nothing that moves is
 (``control`` is its ``set``, ``replanner`` its ``planner``), ``time_factor``: limit of time in durations of the plan, ``way``: whether a way exists at
 all is measured.
 """
-OWN_OF_WORLD, OWN_OF_QUERY = ("condition", "crossed"), ("order",)
-"""What worlds and queries may say beside :mod:`guideway.lab.worlds`: ``condition`` of a room (:data:`guideway.scenes.CONDITIONS`); ``crossed``:
-movers go to and fro across the exact path, drawn from the run's seed; ``order`` of the ``via`` points: ``given`` or ``best``."""
+WORLD_FIELDS = worlds.WORLD_FIELDS
+"""Of these ``crossed`` is known here alone: movers go to and fro across the exact path, drawn from the run's seed."""
+QUERY_FIELDS = (*worlds.QUERY_FIELDS, "order")
+"""``order`` of the ``via`` points: ``given`` or ``best``."""
 TIMINGS = ("time-optimal", "iascv", "trapezoid", "own")
 CHOICES = {"sense": ("truth", "lidar"), "map": ("known", "none"), "timing": TIMINGS, "refine": REFINEMENTS, "plant": tuple(PLANTS)}
 MOST_ROWS = 400
 """Most points of a driven path in a record."""
 
 _UNITS = {
-    "m": ("length", "planned", "length_deviation", "deviation"),
+    "m": ("length", "planned", "length_deviation", "deviation", "arrived_deviation"),
     "s": ("time", "duration", "stopped"),
     "cm": ("tpe", "tte", "path_error"),
     "m/s2": ("peak_acceleration",),
@@ -74,7 +75,8 @@ METRICS = {
     "step_p99": Metric("step_p99", "s", "lower", 5),
 }
 """Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m;
-``clean``: no hit while moving; ``reached``: arrived, where a way exists);
+``clean``: no hit while moving; ``reached``: arrived, where a way exists;
+``arrived_deviation``: of those that arrived);
 drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``).
 The last four depend on the machine."""
 
@@ -117,13 +119,10 @@ def run(run: Run) -> Outcome:
 
 def site_of(run: Run) -> Site:
     """The query to drive and the one without movers; in order, with its cells, and with movers across its exact path where they are asked for."""
-    world, asked = _without(run.world, OWN_OF_WORLD), _without(run.query, OWN_OF_QUERY)
-    condition = run.world.get("condition")
     resolution = run.method.get("resolution")
-    if resolution is not None:
-        world["resolution"] = resolution
-    place = worlds.place(world, run.folder, run.seed)
-    query = place.query(asked | ({} if condition is None else {"condition": condition}))
+    world = {**run.world, **({} if resolution is None else {"resolution": resolution})}
+    asked = {key: value for key, value in run.query.items() if key != "order"}
+    query = worlds.query(world, asked, run.folder, run.seed)
     if run.query.get("order") == "best":
         query = in_world(query, query.world, via=gw.tour(query)["via"])
     still = in_world(query, query.world.with_movers([]))
@@ -131,10 +130,6 @@ def site_of(run: Run) -> Site:
         exact = gw.refine(gw.plan(still).path, still).path
         query = in_world(query, query.world.with_movers([*query.world.movers, *movers.across(exact, query.world, run.seed)]))
     return Site(query, still)
-
-
-def _without(given: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
-    return {key: value for key, value in given.items() if key not in names}
 
 
 def in_world(query: gw.Query, world: gw.World, **changes: Any) -> gw.Query:
@@ -211,6 +206,7 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
         "accuracy": driven.accuracy(record),
         "smoothness": driven.smoothness(np.asarray(record["driven"], float)[:, 1:3]),
     }
+    told["arrived_deviation"] = told["deviation"] if arrived else None
     told |= {name: None if tracking[name] is None else 100 * tracking[name] for name in ("tpe", "tte", "path_error")}
     return told | driven.tilts(record["driven"]) | driven.energies(record)
 
@@ -218,13 +214,11 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
 def check(experiment: Experiment) -> None:
     """Raises :class:`guideway.BadParameter` for what is not known, before any run."""
     for world in experiment.worlds:
-        worlds.check(_without(world, OWN_OF_WORLD))
-        if world.get("condition", "none") not in gw.scenes.CONDITIONS:
-            raise BadParameter(f"world {world['name']!r}: condition {world['condition']!r} is not known: one of {', '.join(gw.scenes.CONDITIONS)}")
+        worlds.check(world)
     for query in experiment.queries:
         for key in query:
-            if key not in ("name", *worlds.QUERY_FIELDS, *OWN_OF_QUERY):
-                raise BadParameter(f"query {query['name']!r}: {key!r} is not known: one of {', '.join((*worlds.QUERY_FIELDS, *OWN_OF_QUERY))}")
+            if key not in ("name", *QUERY_FIELDS):
+                raise BadParameter(f"query {query['name']!r}: {key!r} is not known: one of {', '.join(QUERY_FIELDS)}")
         if query.get("order", "given") not in ("given", "best"):
             raise BadParameter(f"query {query['name']!r}: order {query['order']!r} is not known: given or best")
     for method in experiment.methods:

@@ -105,6 +105,8 @@ def run(run: Run) -> Outcome:
     call = planning.planner(method, run.folder)
     found, times = _timed(call, query, run.seed, budget, int(method.get("repeats", 1)))
     path = planning.path_of(found)
+    if hasattr(found, "seconds"):
+        times["search"] = float(found.seconds)  # of peers without the process around it
     if path is None:
         return Outcome(measures={}, curve=None, path=None, certified=False, times=times)
     of = _exact(json.dumps([dict(run.world), asked], sort_keys=True, default=str), run.folder, run.seed if _drawn(run.world) else 0)

@@ -97,11 +97,12 @@ class _Search:
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(int(order["seed"]) + 1)  # 0 means the clock
         asked = order["query"]
-        self.free, self.radius, self.places = gw.World(**asked["world"]).segment_free, asked["radius"], asked["places"]
+        world = gw.World(**asked["world"])
+        self.free, self.radius, self.places = world.segment_free, asked["radius"], asked["places"]
         self.checks, self.begun = 0, time.perf_counter()
         self.history: list[list[float]] = []
         self.space = base.RealVectorStateSpace(2)
-        self._bound(gw.World(**asked["world"]))
+        self._bound(world)
         self.setup = geometric.SimpleSetup(self.space)
         information = self.setup.getSpaceInformation()
         self.setup.setStateValidityChecker(self.valid)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from .curves import last_evaluation, usable
+from .curves import Course, usable
 from .experiment import Experiment, Metric
 
 ALARM = -1e-9
@@ -37,6 +37,11 @@ class Cell:
     def sound(self) -> list[Record]:
         """Records of runs that succeeded with a certified result: only these are averaged."""
         return [record for record in self.records if is_sound(record)]
+
+    @cached_property
+    def courses(self) -> list[Course]:
+        """Convergence of all runs, in the order of the records; empty for a run that did not succeed."""
+        return [usable(record.get("curve") if is_sound(record) else None) for record in self.records]
 
     def by_seed(self, metric: str) -> dict[int, float]:
         """Seed -> value of a measure, of the sound runs that have one."""
@@ -118,8 +123,8 @@ class Grid:
 
     def _optimum(self, cell: Cell) -> float | None:
         found: list[float] = []
-        for record in cell.sound if self.experiment.reference else ():
-            value, optimum, curve = value_of(record, str(self.experiment.reference)), self.optimum_of(record), usable(record.get("curve"))
+        for record, curve in zip(cell.records, cell.courses, strict=True) if self.experiment.reference else ():
+            value, optimum = value_of(record, str(self.experiment.reference)), self.optimum_of(record)
             if value is None or optimum is None or not curve:
                 continue
             if not math.isclose(curve[-1][1], value, rel_tol=1e-6):
@@ -202,7 +207,7 @@ def spent(record: Record, budget: Mapping[str, Any]) -> float | None:
     measured, allowed = value_of(record, "evaluations"), budget.get("evaluations")
     if measured is not None:
         return measured
-    return float(allowed) if isinstance(allowed, int | float) else last_evaluation(record.get("curve"))
+    return float(allowed) if isinstance(allowed, int | float) else usable(record.get("curve")).end
 
 
 def pairs(one: Sequence[Cell | None], other: Sequence[Cell | None], metric: str) -> list[tuple[float, float]]:

@@ -6,7 +6,7 @@ A curve is a list of ``[evaluations, best]`` with best values that only improve 
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -39,29 +39,40 @@ class Expected:
         return asdict(self)
 
 
-def usable(curve: Any) -> list[tuple[float, float]]:
-    """A curve from a record: finite points in the order of their evaluations, best values made to only improve; empty where there is none."""
-    points: list[tuple[float, float]] = []
+class Course(list[tuple[float, float]]):
+    """A checked curve: finite points, evaluations that grow, best values that only improve."""
+
+    end: float | None = None
+    """Evaluations at the last point, improving or not."""
+
+
+def usable(curve: Any) -> Course:
+    """A curve from a record, checked; empty where there is none."""
+    if isinstance(curve, Course):
+        return curve
+    course = Course()
     for row in curve if isinstance(curve, list | tuple) else ():
         if not (isinstance(row, list | tuple) and len(row) >= 2 and all(isinstance(v, int | float) and math.isfinite(v) for v in row[:2])):
             continue
         at, best = float(row[0]), float(row[1])
-        if points and (best >= points[-1][1] or at < points[-1][0]):
+        if course.end is not None and at < course.end:
             continue
-        points.append((at, best))
-    return points
+        course.end = at
+        if not course or best < course[-1][1]:
+            course.append((at, best))
+    return course
 
 
 def last_evaluation(curve: Any) -> float | None:
     """Evaluations at the last point of a curve, improving or not; None without one."""
-    rows = [row for row in curve if isinstance(row, list | tuple) and row] if isinstance(curve, list | tuple) else []
-    known = [float(row[0]) for row in rows if isinstance(row[0], int | float) and math.isfinite(row[0])]
-    return max(known, default=None)
+    return usable(curve).end
 
 
 def reached(curve: Any, target: float) -> float | None:
     """Evaluations after which a curve is at or below ``target``; None if it never is."""
-    return next((at for at, best in usable(curve) if best <= target), None)
+    points = usable(curve)
+    i = bisect_left(points, -target, key=lambda point: -point[1])
+    return points[i][0] if i < len(points) else None
 
 
 def convergence(curve: Any, settled: float = SETTLED) -> float | None:
@@ -89,8 +100,8 @@ def expected(runs: Iterable[tuple[Any, float | None]], target: float) -> Expecte
     return Expected(total / successes if successes else None, successes, count, total) if count else None
 
 
-def value_at(curve: Sequence[tuple[float, float]], evaluations: float) -> float | None:
-    """Best value of a usable curve after some evaluations; None before its first point."""
+def value_at(curve: Course, evaluations: float) -> float | None:
+    """Best value of a curve after some evaluations; None before its first point."""
     i = bisect_right(curve, (evaluations, math.inf))
     return curve[i - 1][1] if i else None
 
@@ -101,11 +112,11 @@ def band(curves: Sequence[Any], most: int = 96) -> list[list[float | None]]:
     A run without a value yet counts as infinitely bad, so a quartile is ``None`` where too few runs have one. Rows where nothing changes are left
     out.
     """
-    every = [curve for curve in map(usable, curves) if curve]
+    every = [course for course in map(usable, curves) if course]
     if not every:
         return []
     places = sorted({at for curve in every for at, _ in curve})
-    end = max(filter(None, map(last_evaluation, curves)), default=places[-1])
+    end = max(course.end or 0.0 for course in every)
     rows: list[list[float | None]] = []
     for at in thin(places, most - 1):
         values = sorted(math.inf if (v := value_at(curve, at)) is None else v for curve in every)

@@ -12,7 +12,7 @@ from guideway._core import __version__
 from guideway.view.report import clean
 
 from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, seed_of, spent, value_of
-from .curves import TARGETS, band, convergence, distribution, expected, profile, reached, usable
+from .curves import TARGETS, band, convergence, distribution, expected, profile, reached
 from .experiment import Experiment, Metric
 from .statistics import describe, friedman, growth, holm, mcnemar, paired, success
 from .verdicts import judge
@@ -96,10 +96,10 @@ def cell_summary(table: Grid, cell: Cell) -> dict[str, Any]:
     """Success, measures and times of one method on one world and query."""
     runs, budget = len(cell.records), budget_of(table.experiment, cell.method)
     optimum = table.optimum(cell)
-    curves = [(record.get("curve") if is_sound(record) else None, spent(record, budget)) for record in cell.records]
+    curves = [(course, spent(record, budget)) for course, record in zip(cell.courses, cell.records, strict=True)]
     found = None if optimum is None else expected(curves, optimum + TARGET * abs(optimum))
     gaps = [gap for record in cell.sound if (gap := table.gap_of(record)) is not None]
-    settled = [at for record in cell.sound if (at := convergence(record.get("curve"))) is not None]
+    settled = [at for course in cell.courses if (at := convergence(course)) is not None]
     return {
         "world": cell.world,
         "query": cell.query,
@@ -232,7 +232,7 @@ def bands(table: Grid) -> list[dict[str, Any]]:
     """Convergence: median and quartiles of the best value over evaluations, per cell whose records have curves."""
     rows = []
     for cell in table.cells.values():
-        rows_of = band([record.get("curve") for record in cell.sound])
+        rows_of = band(cell.courses)
         if rows_of:
             rows.append({"world": cell.world, "query": cell.query, "method": cell.method, "rows": rows_of})
     return rows
@@ -245,8 +245,8 @@ def distributions(table: Grid) -> dict[str, Any]:
     for method in table.methods:
         cells = [cell for instance in table.instances if (cell := table.cell(instance, method))]
         hits = [
-            reached(record.get("curve"), (1 + gap) * best[key_of(cell)]) if is_sound(record) else None
-            for cell in cells if key_of(cell) in best for record in cell.records for gap in TARGETS
+            reached(course, (1 + gap) * best[key_of(cell)])
+            for cell in cells if key_of(cell) in best for course in cell.courses for gap in TARGETS
         ]  # fmt: skip
         if any(hit is not None for hit in hits):
             over_evaluations.append({"method": method, "rows": distribution(hits)})
@@ -271,7 +271,7 @@ def best_known(table: Grid, cell: Cell) -> float | None:
     if exact is not None:
         return exact if exact > 0 else None
     cells = [other for method in table.methods if (other := table.cell(cell.instance, method)) and table.optimum(other) is None]
-    best = min((curve[-1][1] for other in cells for record in other.sound if (curve := usable(record.get("curve")))), default=0.0)
+    best = min((course[-1][1] for other in cells for course in other.courses if course), default=0.0)
     return best if best > 0 else None
 
 

@@ -41,11 +41,11 @@ bench: $(VENV)/.tested
 # were stopped.
 results-quick: $(VENV)/.results
 	$(BIN)/guideway lab run all --quick --resume --out results/quick
-	$(BIN)/guideway lab report results/quick
+	$(BIN)/guideway lab report results/quick --page results/quick/results.md
 
 results: $(VENV)/.results
 	$(BIN)/guideway lab run all --resume --out results/full
-	$(BIN)/guideway lab report results/full
+	$(BIN)/guideway lab report results/full --page docs/results.md
 
 docs: $(VENV)/.installed
 	cargo doc --no-deps --package guideway

@@ -185,6 +185,25 @@ def test_few_poor_or_empty_records(tmp_path: Path, rows: list[dict[str, Any]]) -
     assert {claim["verdict"] for claim in found["experiments"][0]["claims"][:2]} == {"cannot be judged"}
 
 
+def test_the_page_of_results(tmp_path: Path) -> None:
+    write_report(usual(tmp_path / "runs"), tmp_path / "out", figures=False, markdown=tmp_path / "results.md")
+    text = (tmp_path / "results.md").read_text("utf-8")
+    assert "| 1 | 2 | 2 | 1 | 48 | 2 |" in text, "experiments, holds, does not hold, cannot be judged, runs, failed"
+    assert "| poor always succeeds |  | **does not hold** | 14 of 16 runs, 87.5 %" in text
+    assert "| Table 2 | one | good | length (mean) | 10.1000 | 10.3500 | +2.5 % |" in text
+    assert "`guideway lab run fixture`" in text
+    assert "[A fixture]" not in text
+    widths = {len(re.findall(r"(?<!\\)\|", line)) for line in text.splitlines() if line.startswith("| good")}
+    assert widths == {6}, "claims and methods have five columns each"
+
+
+def test_hostile_names_do_not_break_the_page_of_results(tmp_path: Path) -> None:
+    write_report(hostile(tmp_path / "runs"), tmp_path / "out", figures=False, markdown=tmp_path / "results.md")
+    text = (tmp_path / "results.md").read_text("utf-8")
+    assert "<script>" not in text
+    assert "<!--" not in text
+
+
 def test_folders_without_experiments_are_refused(tmp_path: Path) -> None:
     with pytest.raises(BadFile, match="no records of experiments"):
         write_report(tmp_path)

@@ -34,6 +34,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     report = _action(actions, "report", "HTML, CSV, LaTeX and figures from records", _report)
     report.add_argument("folder", metavar="DIR", help="folder of records")
     report.add_argument("--out", metavar="FILE.html", help="the report (default DIR/report.html); tables and figures go beside it")
+    report.add_argument("--page", metavar="FILE.md", help="also a page in Markdown: what of each source holds, with the command of every figure")
+    report.add_argument("--no-figures", action="store_true", help="without the SVG figures")
     listed = _action(actions, "list", "the experiments that ship with Guideway", _list)
     listed.add_argument("--json", action="store_true", help="on stdout as JSON")
 
@@ -108,7 +110,7 @@ def _version(experiment: Experiment, arguments: argparse.Namespace) -> Experimen
 
 def _report(arguments: argparse.Namespace) -> int:
     write_report = importlib.import_module("guideway.lab.report").write_report
-    print(f"wrote {write_report(arguments.folder, arguments.out)}")
+    print(f"wrote {write_report(arguments.folder, arguments.out, figures=not arguments.no_figures, markdown=arguments.page)}")
     return 0
 
 

@@ -93,6 +93,8 @@ def verdict_of(row: Mapping[str, Any], claim: Claim) -> tuple[str, str]:
         return FAILS, f"equal in all {pairs_} pairs"
     if wins + losses < LEAST_PAIRS:
         return (FAILS, f"{count}: it makes hardly a difference") if ties >= 4 * LEAST_PAIRS else (OPEN, f"{count}: too few for a test")
+    if wins > losses and len(claim.than) * 2.0 ** (1 - wins - losses) >= claim.alpha:
+        return OPEN, f"{count}: too few for a test"
     statistics = f"p = {short(row['p_holm'])} (Holm), A12 = {row['a12']:.3f}"
     if row["p_holm"] < claim.alpha and wins > losses:
         if row["reversed_on"]:

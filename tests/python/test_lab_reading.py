@@ -169,7 +169,7 @@ WRONG = [
     ('worlds = ["random 8 a"]\nqueries', 'worlds = ["random"]\nqueries', "[quick], field worlds"),
     ("[quick]", "[quick]\nplanner = 3", "field planner"),
     ("schema = 1", "schema = = 1", "not valid TOML"),
-    ("schema = 1", "schema = 1\ntune = 3", "field tune"),
+    ("schema = 1", "schema = 1\ntune = 3", "[tune]"),
 ]
 
 

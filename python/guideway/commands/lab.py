@@ -1,9 +1,8 @@
-"""``guideway lab run | report | list``: experiments, their records, statistics and reports."""
+"""``guideway lab run | report | tune | list``: experiments, their records, statistics and reports."""
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import json
 import os
 from pathlib import Path
@@ -21,7 +20,8 @@ EXAMPLES = """examples:
   guideway lab run mine.toml --workers 4 --out results
   guideway lab run mine.toml --resume --out results
   guideway lab run all --cluster dask://10.0.0.5:8786 --out results
-  guideway lab report results --out report.html"""
+  guideway lab report results --out report.html
+  guideway lab tune mine.toml --trials 100 --out tuning"""
 
 ALL = "all"
 
@@ -36,6 +36,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     report.add_argument("--out", metavar="FILE.html", help="the report (default DIR/report.html); tables and figures go beside it")
     report.add_argument("--page", metavar="FILE.md", help="also a page in Markdown: what of each source holds, with the command of every figure")
     report.add_argument("--no-figures", action="store_true", help="without the SVG figures")
+    _declare_tune(_action(actions, "tune", "seek better parameters of a method: what [tune] of an experiment asks for", _tune))
     listed = _action(actions, "list", "the experiments that ship with Guideway", _list)
     listed.add_argument("--json", action="store_true", help="on stdout as JSON")
 
@@ -56,6 +57,15 @@ def _declare_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", action="store_true", help="go on where an earlier run was stopped; its records are kept")
     parser.add_argument("--quick", action="store_true", help="the small version: fewer seeds, worlds and evaluations")
     parser.add_argument("--seeds", type=int, metavar="N", help="seeds 0 to N - 1 instead of those of the file")
+
+
+def _declare_tune(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("experiment", metavar="EXPERIMENT", help="a *.toml file, or the name of one that 'guideway lab list' shows")
+    parser.add_argument("--out", default="results", metavar="DIR", help="folder of the records and of what was found (default results)")
+    parser.add_argument("--trials", type=int, metavar="N", help="sets of parameters to try instead of the file's number")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes on this machine (default: its cores)")
+    parser.add_argument("--cluster", metavar="WHERE", help="dask://HOST:PORT of a Dask scheduler, or local[:N] for a small cluster here")
+    parser.add_argument("--resume", action="store_true", help="go on where an earlier search was stopped; its records are kept")
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -109,9 +119,34 @@ def _version(experiment: Experiment, arguments: argparse.Namespace) -> Experimen
 
 
 def _report(arguments: argparse.Namespace) -> int:
-    write_report = importlib.import_module("guideway.lab.report").write_report
+    from guideway.lab.report import write_report
+
     print(f"wrote {write_report(arguments.folder, arguments.out, figures=not arguments.no_figures, markdown=arguments.page)}")
     return 0
+
+
+def _tune(arguments: argparse.Namespace) -> int:
+    from guideway.lab import tune
+
+    if arguments.trials is not None and not 1 <= arguments.trials <= 100_000:
+        raise BadParameter(f"--trials {arguments.trials} is out of range: 1 to 100000")
+    experiment = _chosen([arguments.experiment])[0]
+    how = {name: getattr(arguments, name) for name in ("trials", "workers", "cluster", "resume")}
+    try:
+        found = tune(experiment, arguments.out, **how)
+    except KeyboardInterrupt:
+        options.note("guideway: interrupted; the records so far are kept. Go on with the same command and --resume.")
+        return 130
+    for group in found["groups"]:
+        seen = group["evidence"]
+        change = f"{found['metric']} {_shown(seen['before'])} before, {_shown(seen['after'])} with {json.dumps(group['best']['set'])}"
+        print(f"{group['group']}: {group['recommended']}; {change}")
+    print(f"wrote {Path(arguments.out) / found['experiment']}.tuned.toml")
+    return 0
+
+
+def _shown(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"
 
 
 def _list(arguments: argparse.Namespace) -> int:

@@ -12,6 +12,7 @@ from guideway.lab.experiment import Claim, Experiment, Metric, Published, Run
 from guideway.lab.kinds import KINDS, Outcome
 from guideway.lab.packaged import experiments, packaged
 from guideway.lab.reading import quick, read, with_seeds
+from guideway.lab.tuning import tune
 
 __all__ = [
     "KINDS",
@@ -29,5 +30,6 @@ __all__ = [
     "read",
     "run",
     "told",
+    "tune",
     "with_seeds",
 ]

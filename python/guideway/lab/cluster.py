@@ -7,7 +7,7 @@ import json
 import logging
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import ExitStack
 from itertools import islice
 from typing import Any
@@ -45,20 +45,35 @@ _PLACE = re.compile(r"dask://([^/\s]+:\d{1,5})/?")
 _LOCAL = re.compile(r"local(?::(\d{1,4}))?")
 
 
-def distributed(runs: Sequence[Run], digest: str, cluster: str) -> Iterator[Record]:
-    """The records of all runs, as they come. Raises :class:`GuidewayError` if the cluster cannot be reached or is lost."""
-    local, place = _LOCAL.fullmatch(cluster), _PLACE.fullmatch(cluster)
-    if local is None and place is None:
-        raise BadParameter(f"--cluster {show(cluster)} cannot be read: {ALLOWED}")
-    if not runs:
-        return
-    dask = needed("distributed", "cluster", "runs on a cluster need Dask")
-    with ExitStack() as stack:
-        if local is not None:
-            address = stack.enter_context(_small(dask, int(local[1] or os.cpu_count() or 1)))
-        else:
-            address = f"tcp://{place[1] if place else ''}"
-        yield from _through(dask, stack.enter_context(_client(dask, address, cluster)), runs, digest)
+class Cluster:
+    """A Dask cluster, connected to when it is first used, until it is closed."""
+
+    def __init__(self, cluster: str) -> None:
+        """Raises :class:`BadParameter` for what is neither a place nor local."""
+        self._told, self._stack = cluster, ExitStack()
+        self._local, self._place = _LOCAL.fullmatch(cluster), _PLACE.fullmatch(cluster)
+        self._client: Any = None
+        if self._local is None and self._place is None:
+            raise BadParameter(f"--cluster {show(cluster)} cannot be read: {ALLOWED}")
+        self._dask = needed("distributed", "cluster", "runs on a cluster need Dask")
+
+    def records(self, runs: Sequence[Run], digest: str) -> Generator[Record, None, None]:
+        """The records of all runs, as they come. Raises :class:`GuidewayError` if the cluster cannot be reached or is lost."""
+        if runs:
+            yield from _through(self._dask, self._connected(), runs, digest)
+
+    def _connected(self) -> Any:
+        if self._client is None:
+            address: Any = f"tcp://{self._place[1]}" if self._place is not None else ""
+            if self._local is not None:
+                address = self._stack.enter_context(_small(self._dask, int(self._local[1] or os.cpu_count() or 1)))
+            self._client = self._stack.enter_context(_client(self._dask, address, self._told))
+        return self._client
+
+    def close(self) -> None:
+        """Leaves it; a small one here ends."""
+        self._client = None
+        self._stack.close()
 
 
 def _small(dask: Any, workers: int) -> Any:

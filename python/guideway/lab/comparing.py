@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import re
 from collections import Counter
@@ -45,7 +44,9 @@ class Comparison:
 
     def report(self, out: str | os.PathLike[str] | None = None) -> Path:
         """Writes the report with statistics, tables and figures; returns its path."""
-        return importlib.import_module("guideway.lab.report").write_report(self.folder, out)
+        from guideway.lab.report import write_report
+
+        return write_report(self.folder, out)
 
     def __str__(self) -> str:
         metrics = [metric.name for metric in self.experiment.metrics]

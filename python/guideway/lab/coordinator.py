@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 from guideway.errors import BadParameter
-from guideway.lab.experiment import Experiment, Run
+from guideway.lab.cluster import Cluster
+from guideway.lab.experiment import Experiment
 from guideway.lab.folder import locked, opened
 from guideway.lab.journal import key_of
-from guideway.lab.pool import local
+from guideway.lab.pool import Local
 
 
 def run(
@@ -31,14 +31,14 @@ def run(
     small one here. ``resume`` goes on where an earlier call stopped. ``progress`` shows a bar on stderr; None: if that is a terminal.
     """
     folder = Path(out)
-    with locked(folder), opened(experiment, folder, resume) as journal:
+    with closing(crew_of(workers, cluster)) as crew, locked(folder), opened(experiment, folder, resume) as journal:
         have = {key_of(record) for record in journal.records}
         runs = experiment.runs()
         todo = [one for one in runs if one.key not in have]
         tally = Counter(record["status"] for record in journal.records)
         with (
-            closing(_records(todo, experiment.digest, workers, cluster)) as records,
-            _bar(experiment.name, len(runs), len(runs) - len(todo), progress) as bar,
+            closing(crew.records(todo, experiment.digest)) as records,
+            bar_of(experiment.name, len(runs), len(runs) - len(todo), progress) as bar,
         ):
             for record in records:
                 journal.append(record)
@@ -47,14 +47,13 @@ def run(
     return tally
 
 
-def _records(runs: Sequence[Run], digest: str, workers: int | None, cluster: str | None) -> Any:
+def crew_of(workers: int | None, cluster: str | None) -> Local | Cluster:
+    """Those who do the work: processes on this machine, or a cluster; to be closed."""
     if cluster is None:
-        return local(runs, digest, _workers(workers))
+        return Local(_workers(workers))
     if workers is not None:
         raise BadParameter("--workers is for this machine: leave it out with --cluster (local:N starts a cluster of N)")
-    from guideway.lab.cluster import distributed
-
-    return distributed(runs, digest, cluster)
+    return Cluster(cluster)
 
 
 def _workers(workers: int | None) -> int:
@@ -65,7 +64,8 @@ def _workers(workers: int | None) -> int:
     return workers
 
 
-def _bar(name: str, total: int, done: int, progress: bool | None) -> Any:
+def bar_of(name: str, total: int, done: int, progress: bool | None) -> Any:
+    """A progress bar on stderr with the time left; ``progress`` None: if that is a terminal."""
     from tqdm import tqdm
 
     return tqdm(total=total, initial=done, desc=name, unit="run", smoothing=0.05, disable=None if progress is None else not progress)

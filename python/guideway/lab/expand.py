@@ -35,7 +35,7 @@ def expanded(at: str, table: dict[str, Any], fields: Collection[str] | None = No
     if not dimensions and not switches:
         return [plain]
     told = set(_PLACE.findall(repr({key: value for key, value in plain.items() if key != "name"})))
-    into = [key for key in dimensions if "." in key or (key not in told if fields is None else key in fields)]
+    into = [key for key in dimensions if "." in key or (key not in plain and (key not in told if fields is None else key in fields))]
     lost = next((key for key in dimensions if key not in into and key not in told), None)
     if lost is not None:
         allowed = ", ".join(fields or ())

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from guideway.lab.space import Tune
+
 Key = tuple[str, str, str, int]
 """Names of world, query and method, and the seed."""
 
@@ -112,8 +114,8 @@ class Experiment:
     """sha256 of everything that decides the records of a seed: kind, worlds, queries, methods, budget, limits."""
     quick: Mapping[str, Any]
     """What ``--quick`` changes."""
-    tune: Mapping[str, Any]
-    """The space of ``guideway lab tune``."""
+    tune: Tune | None
+    """What ``guideway lab tune`` seeks."""
     reduced: bool = False
     """Is it the quick version?"""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from multiprocessing.connection import wait
 
 from guideway.lab.child import Child, Item
@@ -50,22 +50,32 @@ class Todo:
             self._worlds.setdefault(item[0].world["name"], deque()).appendleft(item)
 
 
-def local(runs: Sequence[Run], digest: str, workers: int) -> Iterator[Record]:
-    """The records of all runs, as they come. A worker that dies, or is killed for its time, costs the run that it was at."""
-    todo = Todo(runs, digest)
-    kind = runs[0].kind if runs else ""
-    children = {number: Child(kind) for number in range(min(workers, len(runs)))}
-    try:
-        while todo or any(child.waiting for child in children.values()):
-            for number in range(workers):
-                if todo and number not in children:
-                    children[number] = Child(kind)
-                if number in children:
-                    _fill(children[number], todo, number)
-            yield from _next(children, todo)
-    finally:
-        for child in children.values():
-            child.close()
+class Local:
+    """Worker processes on this machine; they stay between experiments until they are closed."""
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._children: dict[int, Child] = {}
+
+    def records(self, runs: Sequence[Run], digest: str) -> Generator[Record, None, None]:
+        """The records of all runs, as they come. A worker that dies, or is killed for its time, costs the run that it was at."""
+        todo, children = Todo(runs, digest), self._children
+        try:
+            while todo or any(child.waiting for child in children.values()):
+                for number in range(self._workers):
+                    if todo and number not in children:
+                        children[number] = Child(runs[0].kind)
+                    if number in children:
+                        _fill(children[number], todo, number)
+                yield from _next(children, todo)
+        finally:
+            for number in [number for number, child in children.items() if child.waiting]:
+                children.pop(number).close()
+
+    def close(self) -> None:
+        """Ends the processes."""
+        for number in list(self._children):
+            self._children.pop(number).close()
 
 
 def _fill(child: Child, todo: Todo, number: int) -> None:

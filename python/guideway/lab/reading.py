@@ -20,6 +20,7 @@ from guideway.lab import kinds
 from guideway.lab.expand import MOST, expanded
 from guideway.lab.experiment import MEMORY, SECONDS, Experiment, Metric
 from guideway.lab.judging import read_claims, read_published
+from guideway.lab.space import read_tune
 
 LIMIT = 1 << 20
 """Largest experiment file, bytes."""
@@ -119,7 +120,7 @@ def of_data(where: str, path: str | os.PathLike[str], data: dict[str, object]) -
         folder=str(Path(path).absolute().parent),
         digest="",
         quick=_quick(top, names),
-        tune=_tune(top),
+        tune=read_tune(top, names, known),
     )
     ran = top.table("ran")
     top.done()
@@ -308,11 +309,3 @@ def _quick(top: Table, names: Mapping[str, list[str]]) -> dict[str, Any]:
         found[what] = tuple(cast("list[str]", kept))
     table.done()
     return found
-
-
-def _tune(top: Table) -> dict[str, Any]:
-    """The space of ``guideway lab tune``, checked where it is used."""
-    raw = top.raw("tune")
-    if "tune" in top and not isinstance(raw, dict):
-        raise top.bad("tune", "a table")
-    return cast("dict[str, Any]", raw) if isinstance(raw, dict) else {}

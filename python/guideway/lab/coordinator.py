@@ -74,4 +74,5 @@ def bar_of(name: str, total: int, done: int, progress: bool | None) -> Any:
 def told(tally: Counter[str]) -> str:
     """The tally in words."""
     rest = [f"{tally[status]} {status}" for status in sorted(tally) if status != "ok" and tally[status]]
-    return f"{sum(tally.values())} records, " + ", ".join([f"{tally['ok']} ok", *rest])
+    count = sum(tally.values())
+    return f"{count} record{'s' * (count != 1)}, " + ", ".join([f"{tally['ok']} ok", *rest])

@@ -177,6 +177,9 @@ def test_movers_go_to_and_fro_and_round() -> None:
     cycle = movers.Moving({"track": track, "loop": "cycle", "phase": 0.0, "shape": {"box": (1.0, 0.5)}})
     assert cycle.at(3.0).tolist() == [1.0, 0]
     assert cycle.distance((1.0, 0.0), 3.0) == pytest.approx(-0.25)
+    assert cycle.distance((2.0, 0.75), 3.0) == pytest.approx(math.hypot(0.5, 0.5))
+    wedge = movers.Moving({"track": [[0.0, 0.0, 0.0]], "loop": "once", "phase": 0.0, "shape": {"polygon": [[0.3, 0.4], [-0.1, 0], [0, -0.1]]}})
+    assert wedge.distance((2.5, 0.0), 0.0) == pytest.approx(2.0)
     parked = movers.Moving({"track": [[0.0, 1.0, 2.0]], "loop": "shuttle", "phase": 3.0, "shape": {"disc": 0.1}, "appears": {"within": 3.0}})
     assert parked.at(9.0).tolist() == [1, 2]
     assert parked.appears

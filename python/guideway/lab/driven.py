@@ -113,7 +113,7 @@ def deviation(record: Mapping[str, Any], query: gw.Query) -> float | None:
     if not movers or len(driven) < 3:
         return None
     robot = query.radius - query.clearance
-    gaps = [min(float(np.hypot(*(mover.at(t) - (x, y)))) - mover.radius - robot for mover in movers) for t, x, y in driven[:, :3]]
+    gaps = [min(mover.distance((x, y), t) - robot for mover in movers) for t, x, y in driven[:, :3]]
     met = [i for i in range(1, len(gaps) - 1) if gaps[i] < NEAR and gaps[i] <= gaps[i - 1] and gaps[i] <= gaps[i + 1]]
     return _off(driven[met[0] :, 1:3], line) if met else None
 

@@ -29,8 +29,9 @@ class Moving:
 
     @property
     def radius(self) -> float:
-        """Of a disc, m; 0 for other shapes."""
-        return float(self.shape.get("disc") or 0.0)
+        """Of a disc, or of the one around a polygon, m."""
+        corners = self.shape.get("polygon")
+        return float(self.shape.get("disc") or 0.0) if corners is None else max(math.hypot(*corner) for corner in corners)
 
     def at(self, t: float) -> np.ndarray:
         """Its place (2,) at a time, whether or not it is there yet."""
@@ -41,19 +42,24 @@ class Moving:
             t = last - abs(t % (2 * last) - last)
         return np.array([np.interp(t, self.times, self.places[:, k]) for k in (0, 1)])
 
-    def distance(self, p: Sequence[float] | np.ndarray, t: float) -> float:
-        """From a point to its surface, m; negative inside. A box does not turn."""
-        d = np.asarray(p) - self.at(t)
+    def distances(self, points: np.ndarray, t: float) -> np.ndarray:
+        """From points (..., 2) to its surface, m; negative inside. A box does not turn."""
+        d = points - self.at(t)
         if "box" not in self.shape:
-            return float(np.hypot(*d)) - self.radius
+            return np.hypot(d[..., 0], d[..., 1]) - self.radius
         reach = np.abs(d) - 0.5 * np.asarray(self.shape["box"])
-        return float(np.hypot(*np.maximum(reach, 0)) + min(reach.max(), 0.0))
+        outside = np.maximum(reach, 0)
+        return np.hypot(outside[..., 0], outside[..., 1]) + np.minimum(reach.max(-1), 0.0)
+
+    def distance(self, p: Sequence[float] | np.ndarray, t: float) -> float:
+        """From one point."""
+        return float(self.distances(np.asarray(p, float), t))
 
 
 def way_exists(query: gw.Query, limit: float, arrival: float = 0.2) -> bool:
     """Is there a way in space and time for the robot's disc without its clearance, which goes 0.1 m in 0.1 s or waits?
 
-    The true motions of movers with round shapes count; what appears is there all along. ``limit`` in s.
+    The true motions of movers count; what appears is there all along. ``limit`` in s.
     """
     from scipy import ndimage
 
@@ -61,7 +67,8 @@ def way_exists(query: gw.Query, limit: float, arrival: float = 0.2) -> bool:
     x0, y0, x1, y1 = world.bounds
     xs, ys = np.arange(x0, x1 + 1e-9, CELL), np.arange(y0, y1 + 1e-9, CELL)
     px, py = np.meshgrid(xs, ys, indexing="ij")
-    free = world.clearance(np.stack([px.ravel(), py.ravel()], 1)).reshape(px.shape) >= radius
+    places = np.stack([px, py], -1)
+    free = world.clearance(places.reshape(-1, 2)).reshape(px.shape) >= radius
     at = tuple(round((query.start[k] - (x0, y0)[k]) / CELL) for k in (0, 1))
     goal = np.hypot(px - query.goal[0], py - query.goal[1]) <= arrival
     movers = [Moving(mover) for mover in world.movers]
@@ -71,8 +78,7 @@ def way_exists(query: gw.Query, limit: float, arrival: float = 0.2) -> bool:
     for k in range(round(limit / TICK) + 1):
         open_now = free.copy()
         for mover in movers:
-            x, y = mover.at(k * TICK)
-            open_now &= np.hypot(px - x, py - y) >= mover.radius + radius
+            open_now &= mover.distances(places, k * TICK) >= radius
         reached &= open_now
         if (reached & goal).any():
             return True

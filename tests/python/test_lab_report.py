@@ -393,3 +393,11 @@ def test_several_experiments_have_an_overview(tmp_path: Path) -> None:
     assert not complaints
     assert shown.count('class="row"') == 2
     assert "All experiments" in shown
+
+
+def test_a_method_that_could_not_be_run_is_not_judged(tmp_path: Path) -> None:
+    error = {"type": "MissingExtra", "message": "it needs a library"}
+    rows = [record("one", "good", seed, 10.0 + seed) for seed in range(8)] + [failed("one", "poor", seed) | {"error": error} for seed in range(8)]
+    claims = summaries(put(tmp_path / "runs", spec(["one"], ["good", "poor"], rest=CLAIMS), rows))["claims"]
+    assert {claims[k]["verdict"] for k in (0, 1, 3)} == {"cannot be judged"}
+    assert claims[3]["reason"] == "poor could not be run here: MissingExtra: it needs a library"

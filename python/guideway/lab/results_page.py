@@ -110,10 +110,18 @@ def methods(one: Mapping[str, Any]) -> str:
         rate = row["success"]
         share = f"{100 * rate['share']:.1f} ({100 * rate['low']:.0f} to {100 * rate['high']:.0f})" if rate["share"] is not None else "-"
         values = [row["measures"].get(metric["name"]) or row["times"].get(metric["name"]) for metric in metrics]
-        rows.append([plain(row["method"]), share, *(digits(found and found["mean"], metric) for found, metric in zip(values, metrics, strict=True))])
+        rows.append([plain(row["method"]), share, *(mean(row, found, metric) for found, metric in zip(values, metrics, strict=True))])
     left = len(one["overall"]) - len(rows)
     head = ["method", "success %", *(plain(", ".join(filter(None, (metric["name"].replace("_", " "), metric["unit"])))) for metric in metrics)]
     return table(head, rows) + (f"\n{left} more methods are in the report.\n" if left > 0 else "")
+
+
+def mean(row: Mapping[str, Any], found: Mapping[str, Any] | None, metric: Mapping[str, Any]) -> str:
+    """The mean over worlds, with their number where some have no value."""
+    if not found:
+        return "-"
+    part = f" ({found['n']} of {row['instances']} worlds)" if metric["name"] in row["measures"] and found["n"] < row["instances"] else ""
+    return digits(found["mean"], metric) + part
 
 
 def printed(one: Mapping[str, Any]) -> str:

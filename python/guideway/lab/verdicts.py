@@ -12,6 +12,8 @@ from .statistics import describe, holm, paired, success
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be judged"
 LEAST_PAIRS = 6
 """With fewer pairs that differ no two-sided signed-rank test reaches 5 %."""
+UNMADE = ("ImportError", "ModuleNotFoundError", "MissingExtra", "TypeError", "AttributeError", "NameError", "SyntaxError", "BadParameter", "BadFile")
+"""Errors that say nothing of a method: its library is missing, or it was called in a way that it does not know."""
 
 
 def judge(grid: Grid, claim: Claim) -> dict[str, Any]:
@@ -27,12 +29,24 @@ def chosen(grid: Grid, claim: Claim, method: str) -> list[Cell | None]:
     return [grid.cell(instance, method) for instance in grid.instances if not claim.worlds or instance[0] in claim.worlds]
 
 
+def unmade(method: str, cells: Sequence[Cell]) -> str | None:
+    """Why a method was never run, if so: there are no records, or all failed by what is not its fault."""
+    records = [record for cell in cells for record in cell.records]
+    if not records:
+        return f"there are no runs of {method}"
+    errors = [record.get("error") for record in records]
+    said = [error for error in errors if isinstance(error, Mapping) and error.get("type") in UNMADE]
+    if len(said) < len(records):
+        return None
+    return f"{method} could not be run here: {said[0].get('type')}: {said[0].get('message')}"
+
+
 def missing(grid: Grid, claim: Claim) -> str | None:
     """Why there is nothing to judge, if so."""
     for method in (claim.method, *claim.than):
         cells = [cell for cell in chosen(grid, claim, method) if cell]
-        if not cells:
-            return f"there are no runs of {method}"
+        if lack := unmade(method, cells):
+            return lack
         if claim.metric != "success" and not any(cell.values(claim.metric) for cell in cells):
             return f"no certified run of {method} has a value of {claim.metric}"
     return None
@@ -157,8 +171,9 @@ def number(value: float, metric: Metric) -> str:
 def share(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
     """At least a share of all runs succeed, or have a measure that is true; a run that failed counts against it."""
     cells = [cell for cell in chosen(grid, claim, claim.method) if cell]
-    if not cells or claim.value is None:
-        return OPEN, f"there are no runs of {claim.method}" if not cells else "it names no share", {}
+    lack = unmade(claim.method, cells)
+    if lack or claim.value is None:
+        return OPEN, lack or "it names no share", {}
     runs = sum(len(cell.records) for cell in cells)
     hits = sum(value > 0 for cell in cells for value in cell.values(claim.metric))
     rate = success(hits, runs)

@@ -19,6 +19,8 @@ MOST_PATHS = 2_000_000
 """Characters of paths in a report; the best, middle and worst of each cell come first."""
 MOST_PICTURES = 3_500_000
 """Characters of pictures of worlds in a report."""
+LEAST_PATH = 200
+"""Characters below which no further path is tried."""
 MOST_POINTS = 400
 """Points of a path that is drawn."""
 SHADE = 160
@@ -150,7 +152,7 @@ def marked(table: Grid, cell: Cell) -> list[tuple[Record, str | None]]:
 
 def path_of(record: Record, budget: Budget) -> list[float] | None:
     """A path as x, y, x, y ... with as many digits as can be seen, thinned; None once the report is full."""
-    line = points(record.get("path"))
+    line = points(record.get("path")) if budget.paths > LEAST_PATH else points([])
     if len(line) < 2:
         return None
     span = float(np.ptp(line, axis=0).max()) or 1.0
@@ -158,6 +160,7 @@ def path_of(record: Record, budget: Budget) -> list[float] | None:
     kept = [round(float(v), digits) for v in thin(line, span / 2500).ravel()]
     size = sum(len(repr(v)) + 1 for v in kept)
     if size > budget.paths:
+        budget.paths = 0
         return None
     budget.paths -= size
     return kept

@@ -13,8 +13,8 @@ const go = (name) => {
 function sideOf(current) {
   const link = (name, title, marks, key) => make("a", { href: `#${encodeURIComponent(key)}`, "aria-current": key === current ? "page" : null, onclick: (event) => { event.preventDefault(); go(key); menu(false); } }, make("span", { class: "side-title" }, title), marks);
   const marksOf = (e) => make("span", { class: "marks" }, ...["holds", "does not hold", "cannot be judged"].filter((v) => e.claims.some((c) => c.verdict === v)).map((v) => make("i", { class: VERDICTS[v].tone, title: `${e.claims.filter((c) => c.verdict === v).length} ${v}` }, String(e.claims.filter((c) => c.verdict === v).length))), e.alarms.length ? make("i", { class: "bad alarm-mark", title: "alarm" }, "!") : null);
-  const groups = [...new Set(all.map((e) => e.source))];
-  side.replaceChildren(link("overview", "Overview", null, ""), ...groups.flatMap((source) => [make("h2", {}, SOURCES[source] || source), ...all.filter((e) => e.source === source).map((e) => link(e.name, e.title, marksOf(e), e.name))]));
+  const groups = list(data.sources).map(([key]) => key);
+  side.replaceChildren(link("overview", "Overview", null, ""), ...groups.flatMap((source) => [make("h2", {}, sourceName(data, source, false)), ...all.filter((e) => e.source === source).map((e) => link(e.name, e.title, marksOf(e), e.name))]));
 }
 
 function route() {

@@ -1,6 +1,10 @@
 // All experiments with their claims.
 
-const SOURCES = { ours: "Our own experiments" };
+/** Name of a source, in full or up to its colon. */
+const sourceName = (data, key, whole) => {
+  const found = list(data.sources).find(([name]) => name === key);
+  return found ? (whole ? found[1] : found[1].split(":")[0]) : key;
+};
 
 function tally(experiments) {
   const counts = { holds: 0, "does not hold": 0, "cannot be judged": 0 };
@@ -15,11 +19,14 @@ function showOverview(host, data, go) {
   let wanted = "all";
   const tile = (value, text, tone) => make("div", { class: `tile ${tone || ""}` }, make("b", {}, count(value)), make("span", {}, text));
   const tiles = make("div", { class: "tiles" }, tile(data.experiments.length, data.experiments.length === 1 ? "experiment" : "experiments"), tile(runs, runs === 1 ? "run" : "runs"), ...Object.entries(counts).filter(() => data.experiments.some((e) => e.claims.length)).map(([name, n]) => tile(n, `${n === 1 ? "claim" : "claims"}: ${name}`, VERDICTS[name].tone)), ...(alarms ? [tile(alarms, "better than the optimum: alarm", "bad")] : []));
-  const area = make("div", { class: "rows" });
-  const paint = () => area.replaceChildren(...data.experiments.filter((e) => wanted === "all" || e.claims.some((claim) => claim.verdict === wanted)).map((e) => rowOf(e, wanted, go)));
+  const area = make("div", {});
+  const paint = () => area.replaceChildren(...list(data.sources).flatMap(([key, name]) => {
+    const kept = data.experiments.filter((e) => e.source === key && (wanted === "all" || e.claims.some((claim) => claim.verdict === wanted)));
+    return kept.length ? [make("h3", { class: "source" }, name), make("div", { class: "rows" }, ...kept.map((e) => rowOf(e, wanted, go)))] : [];
+  }));
   const total = Object.values(counts).reduce((a, b) => a + b, 0);
   const filter = total ? switches("Claims", [["all", "everything"], ...Object.keys(counts).filter((name) => counts[name]).map((name) => [name, `${name} (${counts[name]})`])], wanted, (value) => { wanted = value; paint(); }) : null;
-  host.replaceChildren(make("div", { class: "lead" }, make("h2", {}, "All experiments")), tiles, ...(filter ? [make("div", { class: "tools" }, filter)] : []), area);
+  host.replaceChildren(make("div", { class: "lead" }, make("h2", {}, "All experiments")), tiles, ...(data.experiments.some((e) => e.quick) ? [make("p", { class: "note warn" }, "Some experiments were run in their quick version: fewer seeds, worlds or evaluations. Their verdicts are provisional.")] : []), ...(filter ? [make("div", { class: "tools" }, filter)] : []), area);
   paint();
 }
 

@@ -68,7 +68,8 @@ function makeResults(host, view) {
   /** Best values, per place: the best row of a column, or the best column of a row. */
   const bestOf = (place) => {
     if (!metric.better) return null;
-    const cells = shownMethods(view).map(({ name }) => (place === null ? view.overall.get(name) : view.cell(place, name)));
+    const whole_ = (cell) => place !== null || !cell || metric === SUCCESS || metric === TIME || record(cell.measures[metric.name]).n === cell.instances;
+    const cells = shownMethods(view).map(({ name }) => (place === null ? view.overall.get(name) : view.cell(place, name))).filter(whole_);
     const optima = new Set(cells.filter((cell) => cell && finite(cell.optimum)).map((cell) => cell.optimum.toPrecision(9)));
     if ((optima.size > 1 || (place === null && view.mixed)) && metric.name === view.data.reference) return null;
     const values = cells.map((cell) => valueOf(statsOf(cell, metric), place === null ? "mean" : statistic, metric)).filter(finite);
@@ -83,7 +84,7 @@ function makeResults(host, view) {
     const best = new Map([null, ...view.places].map((place) => [place, bestOf(place)]));
     const head = make("tr", {}, make("th", { scope: "col", class: "corner" }, wide ? "World" : "Method"), ...heads.map((column, i) => make("th", { scope: "col", "aria-sort": sorted === i ? (down ? "descending" : "ascending") : "none" },
       make("button", { type: "button", class: "sort", onclick: () => sort(i) }, column.k === undefined ? null : swatch(column.k), column.all ? "mean of all worlds" : column.name))));
-    const body = kept.map((row) => make("tr", {}, make("th", { scope: "row" }, row.k === undefined ? null : swatch(row.k), row.name), ...heads.map((column) => entry(row, column, best))));
+    const body = kept.map((row) => make("tr", {}, make("th", { scope: "row", class: row.name.length > 36 ? "long" : null }, row.k === undefined ? null : swatch(row.k), row.name), ...heads.map((column) => entry(row, column, best))));
     const caption = make("caption", { class: "hush" }, `${metricName(metric)} of ${view.data.title}`);
     const rest = lines.length > kept.length ? make("button", { type: "button", class: "more", onclick: () => { whole = true; paint(); } }, `Show all ${lines.length} rows`) : null;
     scroller.replaceChildren(make("table", { class: "grid" }, caption, make("thead", {}, head), make("tbody", {}, ...body)), ...(rest ? [rest] : []));
@@ -102,9 +103,10 @@ function makeResults(host, view) {
     const method = wide ? column.name : row.name;
     const cell = place === null ? view.overall.get(method) : view.cell(place, method);
     if (!cell) return make("td", { class: "void" }, "\u2013");
-    const top = finite(best.get(place)) && valueOf(stats, place === null ? "mean" : statistic, metric) === best.get(place);
+    const part = place === null && stats && stats.worlds && stats.n < cell.instances;
+    const top = !part && finite(best.get(place)) && valueOf(stats, place === null ? "mean" : statistic, metric) === best.get(place);
     const how = place === null ? "mean" : statistic;
-    const lines = [make("span", { class: `figure${top ? " winner" : ""}` }, ...(stats && finite(valueOf(stats, how, metric)) ? figures(stats, how, metric) : [make("b", {}, "\u2013")])), ...notes(cell, place, method)];
+    const lines = [make("span", { class: `figure${top ? " winner" : ""}` }, ...(stats && finite(valueOf(stats, how, metric)) ? figures(stats, how, metric) : [make("b", {}, "\u2013")])), ...(part ? [make("span", { class: "tag warn" }, `${stats.n} of ${plural(cell.instances, "world")}`)] : []), ...notes(cell, place, method)];
     if (place === null) return make("td", { class: "overall" }, ...lines);
     return make("td", {}, make("button", { type: "button", class: "cell", "aria-label": `${method} on ${place}: the runs`, onclick: () => openRuns(view, place, method) }, ...lines));
   };

@@ -110,6 +110,7 @@ def test_a_refusal_of_the_planner_is_raised_and_a_path_that_is_none_is_not_certi
         ({"queries": ({"name": "q", "order": "random"},)}, "order 'random'"),
         ({"queries": ({"name": "q", "clearence": 1},)}, "'clearence'"),
         ({"methods": ({"name": "m", "controller": "pid"},)}, "controller 'pid'"),
+        ({"methods": ({"name": "m", "controller": "dwa", "control": {"safty": 1.0}},)}, "control: 'safty'"),
         ({"methods": ({"name": "m", "planner": "best"},)}, "planner 'best'"),
         ({"methods": ({"name": "m", "timing": "soon"},)}, "timing 'soon'"),
         ({"methods": ({"name": "m", "time_limit": -1},)}, "time_limit -1"),

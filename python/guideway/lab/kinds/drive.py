@@ -231,9 +231,13 @@ def _check_method(method: Mapping[str, Any], experiment: Experiment) -> None:
     for name, allowed in CHOICES.items():
         if name in method and method[name] not in allowed:
             raise BadParameter(f"{where}: {name} {method[name]!r} is not known: one of {', '.join(allowed)}")
-    names = [entry["name"] for entry in gw.controllers()]
-    if method.get("controller", "improved-dwa") not in names:
-        raise BadParameter(f"{where}: controller {method['controller']!r} is not known: one of {', '.join(names)}")
+    known = {entry["name"]: [parameter["name"] for parameter in entry["parameters"]] for entry in gw.controllers()}
+    controller = method.get("controller", "improved-dwa")
+    if controller not in known:
+        raise BadParameter(f"{where}: controller {controller!r} is not known: one of {', '.join(known)}")
+    for name in method.get("control", {}):
+        if name not in known[controller]:
+            raise BadParameter(f"{where}: control: {name!r} is no parameter of {controller}: {', '.join(known[controller])}")
     for name in ("arrival", "time_limit", "time_factor", "resolution"):
         value = method.get(name, 1.0)
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1e6:

@@ -47,8 +47,10 @@ class Rows:
         return self.a * u + self.b * x + self.d * np.sqrt(x) + self.c
 
     def times(self, parameters: Floats) -> Rows:
-        """The sum over the last axis, weighted."""
-        return Rows(self.a @ parameters, self.b @ parameters, self.d @ parameters, self.c @ parameters)
+        """The sum over the last axis, weighted by (parameters,), or by (joints, parameters) where each joint has its own."""
+        if parameters.ndim == 1:
+            return Rows(self.a @ parameters, self.b @ parameters, self.d @ parameters, self.c @ parameters)
+        return Rows(*((part * parameters).sum(-1) for part in (self.a, self.b, self.d, self.c)))
 
 
 def direction(q1: Floats) -> Floats:
@@ -77,19 +79,32 @@ class Dynamics:
 
     def parameters(self, q: Floats, q1: Floats, q2: Floats) -> Rows:
         """How each of the ``10 + 5 joints`` unknown numbers enters: (n, joints, parameters)."""
+        joints, compact = self.joints, self.own_parameters(q, q1, q2)
+        where = np.arange(joints)
+
+        def dense(part: Floats) -> Floats:
+            found = np.zeros((len(q), joints, self.count))
+            found[:, :, :PAYLOAD] = part[:, :, :PAYLOAD]
+            for kind in range(len(OF_A_JOINT)):
+                found[:, where, PAYLOAD + joints * kind + where] = part[:, :, PAYLOAD + kind]
+            return found
+
+        return Rows(dense(compact.a), dense(compact.b), dense(compact.d), dense(compact.c))
+
+    def own_parameters(self, q: Floats, q1: Floats, q2: Floats) -> Rows:
+        """The same for each joint without the numbers of the other joints: (n, joints, 15), those of the payload first."""
         still = np.zeros_like(q1)
         gravity = self._payload(q, still, still)
         a, b = self._payload(q, still, q1) - gravity, self._payload(q, q1, q2) - gravity
-        own = np.eye(self.joints)
-        zero = np.zeros((len(q), self.joints, self.joints))
-        one, two = q1[:, :, None] * own, q2[:, :, None] * own
-        d = [one, zero, zero, np.abs(one), zero]
-        c = [zero, direction(q1)[:, :, None] * own, np.broadcast_to(own, zero.shape), zero, zero]
+
+        def of(own: dict[str, Floats], payload: Floats) -> Floats:
+            return np.concatenate([payload, np.stack([own.get(name, still) for name in OF_A_JOINT], 2)], 2)
+
         return Rows(
-            np.concatenate([a, zero, zero, zero, zero, one], 2),
-            np.concatenate([b, zero, zero, zero, zero, two], 2),
-            np.concatenate([np.zeros_like(a), *d], 2),
-            np.concatenate([gravity, *c], 2),
+            of({"rotor": q1}, a),
+            of({"rotor": q2}, b),
+            of({"viscous": q1, "viscous asymmetry": np.abs(q1)}, np.zeros_like(a)),
+            of({"coulomb": direction(q1), "offset": np.ones_like(q1)}, gravity),
         )
 
     def _payload(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:

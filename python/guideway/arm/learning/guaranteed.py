@@ -17,9 +17,10 @@ from guideway.arm.learning.dynamics import Rows
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.polytope import upper_end
-from guideway.arm.learning.regression import evidence, posterior, prior
+from guideway.arm.learning.regression import evidence, posterior
 from guideway.arm.learning.structured import BINS, Structured, sides
 from guideway.arm.learning.task import Task
+from guideway.arm.learning.unknown import Unknown
 from guideway.errors import BadParameter, Infeasible
 
 Floats = NDArray[np.float64]
@@ -48,7 +49,9 @@ class Guaranteed:
 
     def __post_init__(self) -> None:
         self._start = Structured(self.task, scale=self.scale)
-        self._effects, self._sizes = self._start.effects, prior(self.task)
+        self._effects = self.task.dynamics.parameters(self.task.q, self.task.q1, self.task.q2)
+        self._unknown = Unknown(self.task, curves=False)
+        self._sizes = self._unknown.sizes
         self._planned = self._start.next([])
         self._trials, self._samples = [], []
         self._lag: int | None = None
@@ -71,7 +74,7 @@ class Guaranteed:
             if not (np.isfinite(given).all() and (given > 0).all()):
                 raise BadParameter(f"bound {self.bound!r} is out of range: a number of N m above 0, or one per joint")
             self._error = given
-        found, self._lag = evidence(self.task, log, self._lag, BINS)
+        found, _, self._lag = evidence(self.task, log, self._unknown, self._lag, BINS)
         self._trials.append(found)
         seen, count = log.reference, len(log.t) - self._lag
         q, q1, q2 = self.task.path.eval(seen.s[:count], 2)
@@ -85,7 +88,7 @@ class Guaranteed:
     def _safe(self, before: Motion) -> Motion:
         """The fastest motion that is safe for every member of the set, or the one before."""
         task, torque = self.task, self.task.torque
-        believed = posterior(self._trials, self._sizes, 1.0, np.ones(len(torque)))
+        believed = posterior(self._trials, self._unknown, 1.0, np.ones(len(torque)))
         turned = np.asarray(np.linalg.cholesky(believed.covariance + 1e-18 * np.diag(self._sizes**2)), np.float64)
         weight = (self._effects.at(before.u[np.minimum(np.arange(len(task.s)), len(task.s) - 2)], before.x) @ turned).reshape(-1, len(self._sizes))
         turned = np.asarray(turned @ np.linalg.eigh(weight.T @ weight)[1], np.float64)

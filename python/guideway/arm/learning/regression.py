@@ -7,21 +7,39 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import OF_A_JOINT, PAYLOAD
-from guideway.arm.learning.log import Log
+from guideway.arm.learning.dynamics import direction
+from guideway.arm.learning.log import Log, smooth
 from guideway.arm.learning.task import Task
+from guideway.arm.learning.unknown import Unknown
 
 Floats = NDArray[np.float64]
 
 LAGS = 4
 """Delays of the torque signal that are tried, samples: 0 to 3."""
+FOLLOWED, AWAY = 0.006, 0.01
+"""A joint does as it was asked where its speed over twice that time (s) is within this (rad/s), and a fifth, of what it should be."""
+QUIET = 15
+"""Samples of the moving average that a gear's ripple is taken to multiply."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Of one trial, a row per sample (n, joints): joint angles ``q``, torques ``tau`` without their noise, measured less nominal torques ``left``, how
+    the unknown numbers enter (n, joints, width), and where the arm was ``following`` its reference."""
+
+    q: Floats
+    tau: Floats
+    left: Floats
+    effects: Floats
+    following: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """A trial as the regression needs it. Normal equations per joint: ``square`` (joints, p, p), ``cross`` (joints, p), ``samples``; noise ``sigma``
-    (joints,), N m. For what is left over, means over the samples in each of B bins of the path: ``counts`` (B,), measured less nominal torque
-    ``left`` (B, joints), how the unknown numbers enter it ``effects`` (B, joints, p), and the conditions ``u``, ``x`` (B,) it was measured under."""
+    """A trial as the regression needs it. Normal equations of each joint's own numbers: ``square`` (joints, w, w), ``cross`` (joints, w),
+    ``samples``; noise ``sigma`` (joints,), N m. For what is left over, means over the samples in each of B bins of the path: ``counts`` (B,),
+    measured less nominal torque ``left`` (B, joints), how the unknown numbers enter it ``effects`` (B, joints, w), and the conditions ``u``, ``x``
+    (B,) it was measured under."""
 
     square: Floats
     cross: Floats
@@ -34,34 +52,45 @@ class Evidence:
     x: Floats
 
 
-def evidence(task: Task, log: Log, lag: int | None, bins: int) -> tuple[Evidence, int]:
-    """A log as evidence, and the delay of its torques in samples (found where ``lag`` is None)."""
+def evidence(task: Task, log: Log, unknown: Unknown, lag: int | None, bins: int) -> tuple[Evidence, Samples, int]:
+    """A log as evidence, its samples, and the delay of its torques in samples (found where ``lag`` is None)."""
     seen = log.reference
     path = task.path.eval(seen.s, 2)
     x = seen.speed**2
     left = log.tau - task.dynamics.nominal(*path).at(seen.u, x)
     nominal = log.tau - left
-    effects = task.dynamics.parameters(*path).at(seen.u, x)
-    floor = 1e-3 * task.torque
-    sigma = np.maximum(log.noise, floor)
-    lag = _lag(log.tau, nominal, effects, sigma) if lag is None else lag
+    plain = task.dynamics.own_parameters(*path).at(seen.u, x)
+    sigma = np.maximum(log.noise, 1e-3 * task.torque)
+    following = _following(log)
+    if lag is None:
+        lag = _lag(log.tau, nominal, Unknown(task, False), plain, sigma, following)
     count = len(log.t) - lag
-    left, effects = log.tau[lag:] - nominal[:count], effects[:count]
+    tau = smooth(log.tau, QUIET)[lag:]
+    effects = unknown.effects(plain[:count], seen.qd[:count], direction(path[1])[:count], path[0][:count], tau)
+    left = log.tau[lag:] - nominal[:count]
     place = np.minimum((seen.s[:count] / task.s[-1] * bins).astype(int), bins - 1)
     counts = np.bincount(place, minlength=bins).astype(float)
     mean = _means(place, counts)
-    found = Evidence(
-        np.einsum("njp,njq->jpq", effects, effects),
-        np.einsum("njp,nj->jp", effects, left),
-        count,
-        sigma,
-        counts,
-        mean(left),
-        mean(effects),
-        mean(seen.u[:count]),
-        mean(x[:count]),
-    )
-    return found, lag
+    following = following[:count]
+    square, cross = _normal(effects, left, following)
+    found = Evidence(square, cross, count, sigma, counts, mean(left), mean(effects), mean(seen.u[:count]), mean(x[:count]))
+    return found, Samples(path[0][:count], tau, left, effects, following), lag
+
+
+def _following(log: Log) -> NDArray[np.bool_]:
+    """Where each joint moves as it was asked to, (n, joints). Where it sticks as it turns round, friction has any size: such samples say nothing."""
+    half = max(1, round(FOLLOWED / np.median(np.diff(log.t))))
+    wide = (log.t[2 * half :] - log.t[: -2 * half])[:, None]
+    measured, asked = ((q[2 * half :] - q[: -2 * half]) / wide for q in (log.q, log.reference.q))
+    good = np.abs(measured - asked) <= AWAY + 0.2 * np.abs(asked)
+    inner = np.concatenate([np.repeat(good[:1], half, 0), good, np.repeat(good[-1:], half, 0)])
+    return np.asarray(inner)
+
+
+def _normal(effects: Floats, left: Floats, following: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Normal equations of each joint, (joints, w, w) and (joints, w)."""
+    own = np.ascontiguousarray((effects * following[..., None]).transpose(1, 0, 2))
+    return own.transpose(0, 2, 1) @ own, (own.transpose(0, 2, 1) @ left.T[:, :, None])[:, :, 0]
 
 
 def _means(place: NDArray[np.intp], counts: Floats):
@@ -78,63 +107,57 @@ def _means(place: NDArray[np.intp], counts: Floats):
     return mean
 
 
-def _lag(tau: Floats, nominal: Floats, effects: Floats, sigma: Floats) -> int:
+def _lag(tau: Floats, nominal: Floats, unknown: Unknown, effects: Floats, sigma: Floats, following: NDArray[np.bool_]) -> int:
     """The delay under which the structure explains the torques best."""
-    errors = []
+    errors, count = [], len(tau) - LAGS
     for lag in range(LAGS):
-        count = len(tau) - LAGS
-        y = ((tau[lag : lag + count] - nominal[:count]) / sigma).ravel()
-        a = (effects[:count] / sigma[:, None]).reshape(len(y), -1)
-        normal = a.T @ a
+        y = tau[lag : lag + count] - nominal[:count]
+        square, cross = _normal(effects[:count], y, following[:count])
+        normal, right = assembled(unknown, square / sigma[:, None, None] ** 2, cross / sigma[:, None] ** 2)
         scale = np.sqrt(np.diag(normal)) + 1e-12
-        normal = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-        solved = np.linalg.solve(normal, a.T @ y / scale) / scale
-        errors.append(float(((y - a @ solved) ** 2).sum()))
+        solved = np.linalg.solve(normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale)), right / scale) / scale
+        errors.append(float(((following[:count] * (y - predicted(unknown, effects[:count], solved)) / sigma) ** 2).sum()))
     return int(np.argmin(errors))
 
 
-def prior(task: Task) -> Floats:
-    """Standard deviations of the unknown numbers before the first trial: a payload as heavy as the arm could hold with nothing else to do, friction
-    of half of each joint's torque."""
-    reach = np.abs(task.nominal.c).max() / max(9.81 * _moved_mass(task), 1e-9)
-    mass = float(task.torque.max()) / (9.81 * max(reach, 0.05))
-    arm = 0.3 * reach
-    inertial = [mass, *[mass * arm] * 3, *[mass * arm * arm] * 6]
-    half = 0.5 * task.torque
-    sizes = {
-        "viscous": half / task.speed,
-        "coulomb": half,
-        "offset": 0.2 * half,
-        "viscous asymmetry": 0.2 * half / task.speed,
-        "rotor": 0.2 * half / task.acceleration,
-    }
-    return np.concatenate([inertial[:PAYLOAD], *[sizes[name] for name in OF_A_JOINT]])
+def assembled(unknown: Unknown, square: Floats, cross: Floats) -> tuple[Floats, Floats]:
+    """Normal equations of all numbers, (p, p) and (p,), from those of each joint."""
+    normal, right = np.zeros((unknown.count, unknown.count)), np.zeros(unknown.count)
+    for own, part, side in zip(unknown.index, square, cross, strict=True):
+        normal[np.ix_(own, own)] += part
+        right[own] += side
+    return normal, right
 
 
-def _moved_mass(task: Task) -> float:
-    return float(sum(inertia.mass for inertia in list(task.arm.model.inertias)[2:]))
+def predicted(unknown: Unknown, effects: Floats, numbers: Floats) -> Floats:
+    """Torques (n, joints) that the numbers (p,) make by ``effects`` (n, joints, width)."""
+    return np.einsum("njw,jw->nj", effects, numbers[unknown.index])
 
 
 @dataclass(frozen=True)
 class Posterior:
-    """What is believed about the unknown numbers: their ``mean`` (p,) and ``covariance`` (p, p)."""
+    """What is believed about the ``unknown`` numbers: their ``mean`` (p,) and ``covariance`` (p, p)."""
 
+    unknown: Unknown
     mean: Floats
     covariance: Floats
 
     def spread(self, effects: Floats) -> Floats:
-        """Standard deviation (N m) of a torque into which the numbers enter by ``effects`` (..., p)."""
-        return np.sqrt(np.maximum(np.einsum("...p,pq,...q->...", effects, self.covariance, effects), 0.0))
+        """Standard deviation (n, joints) of a torque, N m, into which the numbers enter by ``effects`` (n, joints, width)."""
+        own = self.unknown.index
+        blocks = self.covariance[own[:, :, None], own[:, None, :]]
+        each = effects.transpose(1, 0, 2)
+        return np.sqrt(np.maximum(((each @ blocks) * each).sum(-1), 0.0)).T
 
 
-def posterior(trials: list[Evidence], sizes: Floats, forget: float, inflation: Floats) -> Posterior:
+def posterior(trials: list[Evidence], unknown: Unknown, forget: float, inflation: Floats) -> Posterior:
     """All trials together; each counts ``forget`` times less than the next. ``inflation`` (joints,) is by how much the variance of a sample is
     larger than its noise because what is left over is alike from sample to sample."""
-    count = len(sizes)
-    normal, right = np.eye(count), np.zeros(count)
+    sizes = unknown.sizes
+    square, cross = 0.0, 0.0
     for age, trial in enumerate(reversed(trials)):
         weight = forget**age / (trial.sigma**2 * inflation)
-        normal += np.einsum("j,jpq->pq", weight, trial.square) * np.outer(sizes, sizes)
-        right += np.einsum("j,jp->p", weight, trial.cross) * sizes
-    covariance = np.linalg.inv(normal)
-    return Posterior(sizes * (covariance @ right), covariance * np.outer(sizes, sizes))
+        square, cross = square + weight[:, None, None] * trial.square, cross + weight[:, None] * trial.cross
+    normal, right = assembled(unknown, np.asarray(square), np.asarray(cross))
+    covariance = np.linalg.inv(np.eye(unknown.count) + normal * np.outer(sizes, sizes))
+    return Posterior(unknown, sizes * (covariance @ (right * sizes)), covariance * np.outer(sizes, sizes))

@@ -7,9 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.regression import Evidence
+from guideway.arm.learning.regression import Evidence, Posterior, predicted
 
 Floats = NDArray[np.float64]
+
+NEAR = 4
+"""Bins either way over which a place is looked at alone."""
+APART = 12.0
+"""It stands out where neighbours are that many times more alike than usual."""
 
 
 @dataclass(frozen=True)
@@ -27,19 +32,34 @@ class Residual:
         return tuple(np.stack([np.interp(place, at, values[:, j]) for j in range(joints)], 1) for values in (self.mean, self.spread))  # type: ignore[return-value]
 
 
-def amplitude(trials: list[Evidence], mean: Floats) -> Floats:
-    """Root mean square (joints,) of what is left over and alike in neighbouring bins: noise is not, so it drops out."""
+def amplitude(trials: list[Evidence], belief: Posterior) -> Floats:
+    """Root mean square (B, joints) of what is left over and alike in neighbouring bins: noise is not, so it drops out. It is that of the whole path,
+    but of the neighbourhood where that stands out (a joint that turns round, a place where the arm does not follow)."""
     newest = trials[-1]
-    both = (newest.counts[1:] > 0) & (newest.counts[:-1] > 0)
-    left = newest.left - newest.effects @ mean
-    product = (left[1:] * left[:-1])[both]
-    level = product.mean(0) if len(product) else np.zeros(left.shape[1])
-    doubt = product.std(0) / np.sqrt(max(len(product), 1)) if len(product) else level
-    return np.sqrt(np.maximum(level + doubt, 0.0))
+    both = ((newest.counts[1:] > 0) & (newest.counts[:-1] > 0)).astype(float)[:, None]
+    left = newest.left - predicted(belief.unknown, newest.effects, belief.mean)
+    product = left[1:] * left[:-1] * both
+    near, count = _around(product), _around(both)
+    usual = np.median(np.abs(product[both[:, 0] > 0]), 0) if both.any() else np.zeros(left.shape[1])
+    apart = near > count * np.maximum(APART * usual, 1e-300)
+    calm = both * ~apart
+    whole = np.maximum(calm.sum(0), 1.0)
+    level = (calm * product).sum(0) / whole
+    doubt = np.sqrt((calm * (product - level) ** 2).sum(0)) / whole
+    found = np.where(apart, near / np.maximum(count, 1.0), level + doubt)
+    found = np.maximum(np.concatenate([found[:1], found]), np.concatenate([found, found[-1:]]))
+    return np.sqrt(np.maximum(found, 0.0))
 
 
-def condition(trials: list[Evidence], mean: Floats, size: Floats, age: list[Floats], length: float) -> Residual:
-    """The process given what every trial left over. ``size`` (joints,) is its amplitude, ``length`` its correlation length in bins, ``age`` per trial
+def _around(values: Floats) -> Floats:
+    """Sums over a window of bins."""
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, 0)])
+    at = np.arange(len(values))
+    return total[np.minimum(at + NEAR + 1, len(values))] - total[np.maximum(at - NEAR, 0)]
+
+
+def condition(trials: list[Evidence], belief: Posterior, size: Floats, age: list[Floats], length: float) -> Residual:
+    """The process given what every trial left over. ``size`` (B, joints) is its amplitude, ``length`` its correlation length in bins, ``age`` per trial
     the share (B, joints) of its variance that the trial says nothing about, because it was run under other conditions or long ago."""
     bins, joints = trials[0].left.shape
     weight, right = np.full((bins, joints), 1e-12), np.zeros((bins, joints))
@@ -47,8 +67,9 @@ def condition(trials: list[Evidence], mean: Floats, size: Floats, age: list[Floa
         variance = trial.sigma**2 / np.maximum(trial.counts, 1.0)[:, None] + old * size**2
         share = np.where(trial.counts[:, None] > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
         weight += share
-        right += share * (trial.left - trial.effects @ mean)
-    return Residual(*smoothed(right / weight, 1.0 / weight, size, float(np.exp(-1.0 / length))))
+        right += share * (trial.left - predicted(belief.unknown, trial.effects, belief.mean))
+    mean, spread = smoothed(right / weight / size, 1.0 / weight / size**2, np.ones(joints), float(np.exp(-1.0 / length)))
+    return Residual(size * mean, size * spread)
 
 
 def smoothed(values: Floats, variances: Floats, size: Floats, alike: float) -> tuple[Floats, Floats]:

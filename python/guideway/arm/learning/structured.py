@@ -20,9 +20,11 @@ from numpy.typing import NDArray
 from guideway.arm.learning.dynamics import Rows
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
-from guideway.arm.learning.regression import Evidence, Posterior, evidence, posterior, prior
+from guideway.arm.learning.regression import Evidence, Posterior, Samples, evidence, posterior, predicted
 from guideway.arm.learning.residual import Residual, amplitude, condition
+from guideway.arm.learning.ripple import Spectrum
 from guideway.arm.learning.task import Task
+from guideway.arm.learning.unknown import WAVES, Along, Unknown
 from guideway.errors import Infeasible
 
 Floats = NDArray[np.float64]
@@ -32,6 +34,9 @@ LENGTH = 8.0
 """Of the residual: bins of the path, and its correlation length in bins."""
 ALIKE = 0.3
 """Torques that differ by this share of the limit say nothing about each other's residual."""
+LEAST = 0.25
+"""Share of the torque beside holding and rubbing that is planned with whatever the doubt: where even standing still may be too much, creeping does not
+help."""
 ROUNDS = 4
 """Of planning: the margin depends on the motion, the motion on the margin."""
 
@@ -53,17 +58,15 @@ class Structured:
     def __post_init__(self) -> None:
         self._trials: list[Evidence] = []
         self._lag: int | None = None
-        self._sizes = prior(self.task)
-        self.effects = self.task.dynamics.parameters(self.task.q, self.task.q1, self.task.q2)
+        self._spectrum = Spectrum(len(self.task.torque))
+        self._along = Along(self.task, Unknown(self.task))
         self._kinematic = self.task.optimum()
         self._planned = self._first()
 
     def next(self, logs: Sequence[Log]) -> Motion | None:
         """The motion to try next, given the logs of all trials so far; None where there is nothing left to learn."""
-        new = logs[len(self._trials) :]
-        for log in new:
-            found, self._lag = evidence(self.task, log, self._lag, BINS)
-            self._trials.append(found)
+        while len(self._trials) < len(logs):
+            self._remember(logs[: len(self._trials) + 1])
         if not self._trials:
             self.lower_bound = self._kinematic.duration
             return self._planned
@@ -72,6 +75,25 @@ class Structured:
         if self.until and clean and self._planned.duration <= self.until * (self.lower_bound or 0.0):
             return None
         return self._planned
+
+    def _remember(self, logs: Sequence[Log]) -> None:
+        """Takes in the last of the logs; all of them again where it shows a ripple that was not known."""
+        found, samples, self._lag = self._evidence(logs[-1])
+        self._trials.append(found)
+        if self._spectrum.add(samples.q, samples.tau, self._unrippled(samples), found.sigma):
+            self._along = Along(self.task, Unknown(self.task, cycles=self._spectrum.cycles))
+            self._trials = [self._evidence(log)[0] for log in logs]
+
+    def _evidence(self, log: Log) -> tuple[Evidence, Samples, int]:
+        return evidence(self.task, log, self._along.unknown, self._lag, BINS)
+
+    def _unrippled(self, samples: Samples) -> Floats:
+        """What the numbers leave over of a trial, the ripple left in it."""
+        unknown = self._along.unknown
+        numbers = self._belief()[0].mean.copy()
+        if unknown.cycles.any():
+            numbers[-WAVES * unknown.joints :] = 0.0
+        return samples.following * (samples.left - predicted(unknown, samples.effects, numbers))
 
     def _first(self) -> Motion:
         """The kinematic optimum at ``scale`` of its speed, slower where even the nominal arm would need more than 0.9 of a limit."""
@@ -88,61 +110,83 @@ class Structured:
         """A new motion and a new lower bound from everything that was seen."""
         task, torque = self.task, self.task.torque
         belief, size = self._belief()
-        structure = task.nominal + self.effects.times(belief.mean)
         motion = self._planned
-        rows, spread = self._predicted(belief, size, structure, motion)
+        model = self._predicted(belief, size, motion)
         for step in range(ROUNDS):
-            room = self._room(rows, spread)
-            motion = task.optimum(rows, -room, room, motion)
+            low, high = self._room(model)
+            motion = task.optimum(model.rows, low, high, motion)
             if step < ROUNDS - 1:
-                rows, now = self._predicted(belief, size, structure, motion)
-                spread = now if step < ROUNDS - 2 else np.maximum(now, spread)
-        wide = np.maximum(torque + self.sigmas * spread, self._room(rows, spread))
-        fastest = task.optimum(rows, -wide, wide, motion)
+                now = self._predicted(belief, size, motion)
+                model = now if step < ROUNDS - 2 else now.wider(model)
+        low, high = self._room(model)
+        wide = torque + self.sigmas * model.spread
+        fastest = task.optimum(model.rows, np.minimum(-wide, low), np.maximum(wide, high), motion)
         self.lower_bound = max(self._kinematic.duration, min(fastest.duration, motion.duration))
         self._planned = motion
 
     def _belief(self) -> tuple[Posterior, Floats]:
-        """The unknown numbers, and the size (joints,) of what they leave over: the more is left over, the less a sample says about them."""
-        newest = self._trials[-1]
-        belief = posterior(self._trials, self._sizes, self.forget, np.ones(len(self.task.torque)))
-        size = amplitude(self._trials, belief.mean)
+        """The unknown numbers, and the size (bins, joints) of what they leave over: the more is left over, the less a sample says about them."""
+        newest, unknown = self._trials[-1], self._along.unknown
+        belief = posterior(self._trials, unknown, self.forget, np.ones(unknown.joints))
+        size = np.median(amplitude(self._trials, belief), 0)
         inflation = 1 + newest.samples / BINS * LENGTH * size**2 / newest.sigma**2
-        belief = posterior(self._trials, self._sizes, self.forget, inflation)
-        return belief, np.maximum(amplitude(self._trials, belief.mean), 1e-4 * self.task.torque)
+        belief = posterior(self._trials, unknown, self.forget, inflation)
+        return belief, np.maximum(amplitude(self._trials, belief), 1e-4 * self.task.torque)
 
-    def _residual(self, belief: Posterior, size: Floats, structure: Rows, motion: Motion) -> Residual:
+    def _residual(self, belief: Posterior, size: Floats, rows: Rows, motion: Motion) -> Residual:
         """The process, as far as past trials ran under the conditions that ``motion`` would run under."""
         task = self.task
         centre = (np.arange(BINS) + 0.5) / BINS * task.s[-1]
         nearest = np.clip(np.searchsorted(task.s, centre), 0, len(task.s) - 2)
-        rows = Rows(*(part[nearest] for part in (structure.a, structure.b, structure.d, structure.c)))
+        rows = Rows(*(part[nearest] for part in (rows.a, rows.b, rows.d, rows.c)))
         wanted = rows.at(motion.u[nearest], motion.squared(centre))
         age = []
         for back, trial in enumerate(reversed(self._trials)):
             other = (wanted - rows.at(trial.u, trial.x)) / (ALIKE * task.torque)
             age.append(np.minimum(other**2 + (1 - self.forget**back), 1e3))
-        return condition(self._trials, belief.mean, size, age[::-1], LENGTH)
+        return condition(self._trials, belief, size, age[::-1], LENGTH)
 
-    def _predicted(self, belief: Posterior, size: Floats, structure: Rows, motion: Motion) -> tuple[Rows, Floats]:
-        """Rows with the residual for conditions as in ``motion``, and the standard deviation of the torque they predict for it: the larger one of
-        both sides of each grid point."""
-        mean, own = self._residual(belief, size, structure, motion).on(self.task.s / self.task.s[-1])
-        both = [belief.spread(self.effects.at(u, motion.x)) for u in sides(motion)]
-        return Rows(structure.a, structure.b, structure.d, structure.c + mean), np.sqrt(np.maximum(*both) ** 2 + own**2)
+    def _predicted(self, belief: Posterior, size: Floats, motion: Motion) -> Model:
+        """What the torque of ``motion`` will be, residual and all."""
+        along = self._along
+        rows, below, above = along.rows(belief.mean, motion.x)
+        mean, own = self._residual(belief, size, rows, motion).on(self.task.s / self.task.s[-1])
+        both = [belief.spread(along.effects(u, motion.x, rows.at(u, motion.x))) for u in sides(motion)]
+        spread = np.sqrt(np.maximum(*both) ** 2 + own**2)
+        return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below, above)
 
-    def _room(self, rows: Rows, spread: Floats) -> Floats:
-        """How much torque may be planned with; never less than standing still takes, or nothing could be planned."""
-        torque = self.task.torque
-        still = np.abs(rows.c)
-        if (still > torque + self.sigmas * spread).any():
+    def _room(self, model: Model) -> tuple[Floats, Floats]:
+        """How much torque may be planned with, lowest and highest; never less than standing still takes, or nothing could be planned."""
+        torque, c = self.task.torque, model.rows.c
+        still = np.maximum(c + model.above, model.below - c)
+        if (still > torque + self.sigmas * model.spread).any():
             place, joint = np.unravel_index(int(np.argmax(still - torque)), still.shape)
             raise Infeasible(
                 f"static overload: the trials show that {self.task.arm.names[joint]} needs {still[place, joint]:.2f} N m to hold and rub "
                 f"at s = {self.task.s[place]:.4f} rad of the path, limit {torque[joint]:g} N m. A slower motion does not help: "
                 "less payload, or another path"
             )
-        return np.maximum(torque * (1 - self.margin) - self.sigmas * spread, 1.001 * still + 1e-3 * torque)
+        room = torque * (1 - self.margin)
+        least = np.abs(c) + np.maximum(LEAST * (room - np.abs(c)), 1e-3 * torque)
+        room = room - self.sigmas * model.spread
+        return -np.maximum(room - model.below, least), np.maximum(room - model.above, least)
+
+
+@dataclass(frozen=True)
+class Model:
+    """What is predicted of a motion's torques: ``rows``, their standard deviation ``spread``, and how far friction may be ``below`` and ``above`` them
+    between grid points; all (n, joints), N m."""
+
+    rows: Rows
+    spread: Floats
+    below: Floats
+    above: Floats
+
+    def wider(self, other: Model) -> Model:
+        """With the larger ones of both spreads and ranges."""
+        return Model(
+            self.rows, np.maximum(self.spread, other.spread), np.maximum(self.below, other.below), np.maximum(self.above, other.above)
+        )
 
 
 def sides(motion: Motion) -> tuple[Floats, Floats]:

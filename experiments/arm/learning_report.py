@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import tables
+from scipy import stats
 
 Row = dict[str, Any]
 
@@ -66,23 +67,25 @@ def targets(rows: list[Row]) -> str:
 
 
 def random(rows: list[Row]) -> str:
-    used = [row for row in rows if not row.get("skipped") and "error" not in row]
-    refused, errors = sum(bool(row.get("skipped")) for row in rows), [row for row in rows if "error" in row]
+    used, errors = [row for row in rows if "error" not in row], [row for row in rows if "error" in row]
+    refused = sum(row["refused"] for row in used)
     lines = []
-    for full in (False, True):
-        some = [row for row in used if row["full"] is full]
+    for name, some in (("reference", [r for r in used if not r["full"]]), ("full", [r for r in used if r["full"]]), ("both", used)):
         if not some:
             continue
         all_ = np.array([[[float(v) for v in trial] for trial in row["rows"]] for row in some])
-        beyond = int((all_[:, 1:, 1] > 0.01).sum())
-        count = all_[:, 1:, 1].size
-        quantiles = ", ".join(f"{q:.3f}" for q in np.quantile(all_[:, -1, 0], (0.5, 0.9, 1.0)))
-        lines.append(
-            ("full" if full else "reference", len(some), count, beyond, f"{100 * all_[:, 1:, 1].max():.2f}", quantiles, f"{all_[:, :, 4].max():.3f}")
-        )
-    head = ("friction", "plants", "trials 2 to 6", "beyond 1 % of a limit", "largest true violation %", "T/T* of trial 6: median, 90 %, worst")
-    text = tables.markdown((*head, "largest lower bound / T*"), lines)
-    return text + f"\n{len(rows)} plants were drawn; {refused} of them cannot even stand still on the path, {len(errors)} ended in an error.\n"
+        true, judged = all_[:, 1:, 1], [row for row in some if np.isfinite(row["oracle"])]
+        beyond, count = int((true > 0.01).sum()), true.size
+        ratio = [row["rows"][-1][0] / row["oracle"] for row in judged]
+        bound = max(trial[4] / row["oracle"] for row in judged for trial in row["rows"])
+        quantiles = ", ".join(f"{q:.3f}" for q in np.quantile(ratio, (0.5, 0.9, 1.0)))
+        most = float(stats.beta.ppf(0.95, beyond + 1, count - beyond))
+        cells = (name, len(some), count, int((true > 0).sum()), beyond, f"{1000 * most:.2f}", f"{100 * true.max():.2f}")
+        lines.append((*cells, f"{quantiles} ({len(judged)})", f"{bound:.3f}"))
+    head = ("friction", "plants", "trials 2 to 6", "beyond a limit", "by more than 1 %", "that is at most, in 1000 (95 %)", "largest true violation %")
+    text = tables.markdown((*head, "T/T* of trial 6: median, 90 %, worst (plants)", "largest lower bound / T*"), lines)
+    text += f"\n{len(errors)} plants ended in an error. {refused} more had been drawn that cannot hold and rub slowly on the path within 98 % of their"
+    return text + " limits: others took their place. The one-sided bound is Clopper's and Pearson's.\n"
 
 
 def mujoco(rows: list[Row]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ LAGS = 4
 """Delays of the torque signal that are tried, samples: 0 to 3."""
 FOLLOWED, AWAY = 0.006, 0.01
 """A joint does as it was asked where its speed over twice that time (s) is within this (rad/s), and a fifth, of what it should be."""
+STUCK = 0.3
+"""Time after a turn (s) in which that is looked at."""
 QUIET = 15
 """Samples of the moving average that a gear's ripple is taken to multiply."""
 
@@ -37,9 +40,9 @@ class Samples:
 @dataclass(frozen=True)
 class Evidence:
     """A trial as the regression needs it. Normal equations of each joint's own numbers: ``square`` (joints, w, w), ``cross`` (joints, w),
-    ``samples``; noise ``sigma`` (joints,), N m. For what is left over, means over the samples in each of B bins of the path: ``counts`` (B,),
-    measured less nominal torque ``left`` (B, joints), how the unknown numbers enter it ``effects`` (B, joints, w), and the conditions ``u``, ``x``
-    (B,) it was measured under."""
+    ``samples``; noise ``sigma`` (joints,), N m. For what is left over, means over the samples in each of B bins of the path in which the joint
+    followed its reference: ``counts`` (B, joints), measured less nominal torque ``left`` (B, joints), how the unknown numbers enter it ``effects``
+    (B, joints, w), and the conditions ``u``, ``x`` (B,) it was measured under."""
 
     square: Floats
     cross: Floats
@@ -61,7 +64,7 @@ def evidence(task: Task, log: Log, unknown: Unknown, lag: int | None, bins: int)
     nominal = log.tau - left
     plain = task.dynamics.own_parameters(*path).at(seen.u, x)
     sigma = np.maximum(log.noise, 1e-3 * task.torque)
-    following = _following(log)
+    following = _following(log, direction(path[1]))
     if lag is None:
         lag = _lag(log.tau, nominal, Unknown(task, False), plain, sigma, following)
     count = len(log.t) - lag
@@ -69,22 +72,27 @@ def evidence(task: Task, log: Log, unknown: Unknown, lag: int | None, bins: int)
     effects = unknown.effects(plain[:count], seen.qd[:count], direction(path[1])[:count], path[0][:count], tau)
     left = log.tau[lag:] - nominal[:count]
     place = np.minimum((seen.s[:count] / task.s[-1] * bins).astype(int), bins - 1)
-    counts = np.bincount(place, minlength=bins).astype(float)
-    mean = _means(place, counts)
     following = following[:count]
+    sums = _sums(place, bins)
+    counts, all_ = sums(following.astype(float)), np.maximum(sums(np.ones(count)), 1.0)
+    each = np.maximum(counts, 1.0)
     square, cross = _normal(effects, left, following)
-    found = Evidence(square, cross, count, sigma, counts, mean(left), mean(effects), mean(seen.u[:count]), mean(x[:count]))
+    means = sums(left * following) / each, sums(effects * following[..., None]) / each[..., None], sums(seen.u[:count]) / all_, sums(x[:count]) / all_
+    found = Evidence(square, cross, count, sigma, counts, *means)
     return found, Samples(path[0][:count], tau, left, effects, following), lag
 
 
-def _following(log: Log) -> NDArray[np.bool_]:
-    """Where each joint moves as it was asked to, (n, joints). Where it sticks as it turns round, friction has any size: such samples say nothing."""
+def _following(log: Log, ways: Floats) -> NDArray[np.bool_]:
+    """Where each joint moves as it was asked to, (n, joints). For a while after it starts or turns round it may stick: friction has any size then, and
+    such samples say nothing."""
     half = max(1, round(FOLLOWED / np.median(np.diff(log.t))))
     wide = (log.t[2 * half :] - log.t[: -2 * half])[:, None]
     measured, asked = ((q[2 * half :] - q[: -2 * half]) / wide for q in (log.q, log.reference.q))
     good = np.abs(measured - asked) <= AWAY + 0.2 * np.abs(asked)
-    inner = np.concatenate([np.repeat(good[:1], half, 0), good, np.repeat(good[-1:], half, 0)])
-    return np.asarray(inner)
+    good = np.concatenate([np.repeat(good[:1], half, 0), good, np.repeat(good[-1:], half, 0)])
+    turned = np.concatenate([np.ones((1, ways.shape[1]), bool), ways[1:] != ways[:-1]])
+    since = log.t[:, None] - np.maximum.accumulate(np.where(turned, log.t[:, None], -np.inf), 0)
+    return np.asarray(good | (since > STUCK))
 
 
 def _normal(effects: Floats, left: Floats, following: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -93,18 +101,18 @@ def _normal(effects: Floats, left: Floats, following: NDArray[np.bool_]) -> tupl
     return own.transpose(0, 2, 1) @ own, (own.transpose(0, 2, 1) @ left.T[:, :, None])[:, :, 0]
 
 
-def _means(place: NDArray[np.intp], counts: Floats):
-    """Means over bins as a function of sampled values."""
+def _sums(place: NDArray[np.intp], bins: int) -> Callable[[Floats], Floats]:
+    """Sums over bins as a function of sampled values."""
     order = np.argsort(place, kind="stable")
-    filled = np.flatnonzero(counts)
+    filled = np.flatnonzero(np.bincount(place, minlength=bins))
     starts = np.searchsorted(place[order], filled)
 
-    def mean(values: Floats) -> Floats:
-        found = np.zeros((len(counts), *values.shape[1:]))
-        found[filled] = np.add.reduceat(values[order], starts, axis=0) / counts[filled].reshape(-1, *(1,) * (values.ndim - 1))
+    def total(values: Floats) -> Floats:
+        found = np.zeros((bins, *values.shape[1:]))
+        found[filled] = np.add.reduceat(values[order], starts, axis=0)
         return found
 
-    return mean
+    return total
 
 
 def _lag(tau: Floats, nominal: Floats, unknown: Unknown, effects: Floats, sigma: Floats, following: NDArray[np.bool_]) -> int:
@@ -161,3 +169,4 @@ def posterior(trials: list[Evidence], unknown: Unknown, forget: float, inflation
     normal, right = assembled(unknown, np.asarray(square), np.asarray(cross))
     covariance = np.linalg.inv(np.eye(unknown.count) + normal * np.outer(sizes, sizes))
     return Posterior(unknown, sizes * (covariance @ (right * sizes)), covariance * np.outer(sizes, sizes))
+

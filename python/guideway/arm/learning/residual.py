@@ -36,11 +36,11 @@ def amplitude(trials: list[Evidence], belief: Posterior) -> Floats:
     """Root mean square (B, joints) of what is left over and alike in neighbouring bins: noise is not, so it drops out. It is that of the whole path,
     but of the neighbourhood where that stands out (a joint that turns round, a place where the arm does not follow)."""
     newest = trials[-1]
-    both = ((newest.counts[1:] > 0) & (newest.counts[:-1] > 0)).astype(float)[:, None]
+    both = ((newest.counts[1:] > 0) & (newest.counts[:-1] > 0)).astype(float)
     left = newest.left - predicted(belief.unknown, newest.effects, belief.mean)
     product = left[1:] * left[:-1] * both
     near, count = _around(product), _around(both)
-    usual = np.median(np.abs(product[both[:, 0] > 0]), 0) if both.any() else np.zeros(left.shape[1])
+    usual = np.nanmedian(np.where(both > 0, np.abs(product), np.nan), 0) if both.any(0).all() else np.abs(product).max(0)
     apart = near > count * np.maximum(APART * usual, 1e-300)
     calm = both * ~apart
     whole = np.maximum(calm.sum(0), 1.0)
@@ -64,8 +64,8 @@ def condition(trials: list[Evidence], belief: Posterior, size: Floats, age: list
     bins, joints = trials[0].left.shape
     weight, right = np.full((bins, joints), 1e-12), np.zeros((bins, joints))
     for trial, old in zip(trials, age, strict=True):
-        variance = trial.sigma**2 / np.maximum(trial.counts, 1.0)[:, None] + old * size**2
-        share = np.where(trial.counts[:, None] > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
+        variance = trial.sigma**2 / np.maximum(trial.counts, 1.0) + old * size**2
+        share = np.where(trial.counts > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
         weight += share
         right += share * (trial.left - predicted(belief.unknown, trial.effects, belief.mean))
     mean, spread = smoothed(right / weight / size, 1.0 / weight / size**2, np.ones(joints), float(np.exp(-1.0 / length)))

@@ -37,6 +37,14 @@ ALIKE = 0.3
 LEAST = 0.25
 """Share of the torque beside holding and rubbing that is planned with whatever the doubt: where even standing still may be too much, creeping does not
 help."""
+REMEMBERED = 3
+"""Trials that a motion is compared with, the newest ones."""
+ENOUGH = 2
+"""Samples in a bin, at the least, that make a trial worth comparing with there."""
+FADES = 0.6
+"""What was felt beyond a limit is taken back by that share of what a later trial leaves unused there."""
+ASIDE = 3
+"""Bins either side of a violation that share in it."""
 ROUNDS = 4
 """Of planning: the margin depends on the motion, the motion on the margin."""
 
@@ -57,6 +65,8 @@ class Structured:
 
     def __post_init__(self) -> None:
         self._trials: list[Evidence] = []
+        self._place = np.minimum((self.task.s / self.task.s[-1] * BINS).astype(int), BINS - 1)
+        self._felt = np.zeros((2, BINS, len(self.task.torque)))
         self._lag: int | None = None
         self._spectrum = Spectrum(len(self.task.torque))
         self._along = Along(self.task, Unknown(self.task))
@@ -82,7 +92,24 @@ class Structured:
         self._trials.append(found)
         if self._spectrum.add(samples.q, samples.tau, self._unrippled(samples), found.sigma):
             self._along = Along(self.task, Unknown(self.task, cycles=self._spectrum.cycles))
-            self._trials = [self._evidence(log)[0] for log in logs]
+            self._trials = [self._evidence(log)[0] for log in logs[:-1]]
+            found, samples, _ = self._evidence(logs[-1])
+            self._trials.append(found)
+        self._feel(logs[-1], samples)
+
+    def _feel(self, log: Log, samples: Samples) -> None:
+        """Where torques were beyond their limits and the numbers do not say why (a controller that overshoots as a joint breaks loose), as much is kept
+        away from the limits for the next trials."""
+        torque, unknown, count = self.task.torque, self._along.unknown, len(samples.q)
+        over, seen = log.violations(torque)[-count:], log.filtered[-count:]
+        explained = log.tau[-count:] - samples.left + predicted(unknown, samples.effects, self._belief()[0].mean)
+        place = np.minimum((log.reference.s[:count] / self.task.s[-1] * BINS).astype(int), BINS - 1)
+        for side, sign in enumerate((-1.0, 1.0)):
+            excess, peak = np.zeros(self._felt.shape[1:]), np.zeros(self._felt.shape[1:])
+            np.maximum.at(excess, place, np.where(over, np.maximum(sign * seen - np.maximum(sign * explained, torque), 0.0), 0.0))
+            np.maximum.at(peak, place, sign * seen)
+            spare = np.maximum(torque * (1 - self.margin) - _nearby(peak), 0.0)
+            self._felt[side] = np.maximum(self._felt[side] - FADES * spare, 0.0) + _nearby(excess)
 
     def _evidence(self, log: Log) -> tuple[Evidence, Samples, int]:
         return evidence(self.task, log, self._along.unknown, self._lag, BINS)
@@ -110,6 +137,7 @@ class Structured:
         """A new motion and a new lower bound from everything that was seen."""
         task, torque = self.task, self.task.torque
         belief, size = self._belief()
+        self._holds(belief)
         motion = self._planned
         model = self._predicted(belief, size, motion)
         for step in range(ROUNDS):
@@ -123,6 +151,21 @@ class Structured:
         fastest = task.optimum(model.rows, np.minimum(-wide, low), np.maximum(wide, high), motion)
         self.lower_bound = max(self._kinematic.duration, min(fastest.duration, motion.duration))
         self._planned = motion
+
+    def _holds(self, belief: Posterior) -> None:
+        """Raises where even creeping takes more torque than there is, beyond doubt."""
+        task, along = self.task, self._along
+        still = np.zeros(len(task.s))
+        rows, need = along.creeping(belief.mean)
+        doubt = self.sigmas * belief.spread(along.effects(still, still, rows.c))
+        over = need - doubt - task.torque
+        if over.max() > 0:
+            place, joint = np.unravel_index(int(np.argmax(over)), over.shape)
+            raise Infeasible(
+                f"static overload: the trials show that {task.arm.names[joint]} needs {need[place, joint]:.2f} N m to hold and rub "
+                f"at s = {task.s[place]:.4f} rad of the path, limit {task.torque[joint]:g} N m. A slower motion does not help: "
+                "less payload, or another path"
+            )
 
     def _belief(self) -> tuple[Posterior, Floats]:
         """The unknown numbers, and the size (bins, joints) of what they leave over: the more is left over, the less a sample says about them."""
@@ -150,22 +193,24 @@ class Structured:
         """What the torque of ``motion`` will be, residual and all."""
         along = self._along
         rows, below, above = along.rows(belief.mean, motion.x)
-        mean, own = self._residual(belief, size, rows, motion).on(self.task.s / self.task.s[-1])
-        both = [belief.spread(along.effects(u, motion.x, rows.at(u, motion.x))) for u in sides(motion)]
+        share = self.task.s / self.task.s[-1]
+        mean, own = self._residual(belief, size, rows, motion).on(share)
+        both = [self._doubt(belief, along.effects(u, motion.x, rows.at(u, motion.x))) for u in sides(motion)]
         spread = np.sqrt(np.maximum(*both) ** 2 + own**2)
-        return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below, above)
+        return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below + self._felt[0][self._place], above + self._felt[1][self._place])
+
+    def _doubt(self, belief: Posterior, effects: Floats) -> Floats:
+        """Standard deviation (n, joints) of a torque because the numbers are uncertain: of all of it, or of what is different from a trial where it was
+        measured, whichever is less."""
+        place, doubt = self._place, belief.spread(effects)
+        for trial in self._trials[-REMEMBERED:]:
+            there = trial.counts[place] >= ENOUGH
+            doubt = np.where(there, np.minimum(doubt, belief.spread(effects - trial.effects[place])), doubt)
+        return doubt
 
     def _room(self, model: Model) -> tuple[Floats, Floats]:
-        """How much torque may be planned with, lowest and highest; never less than standing still takes, or nothing could be planned."""
+        """How much torque may be planned with, lowest and highest; always a little more than holding and rubbing take, or nothing could be planned."""
         torque, c = self.task.torque, model.rows.c
-        still = np.maximum(c + model.above, model.below - c)
-        if (still > torque + self.sigmas * model.spread).any():
-            place, joint = np.unravel_index(int(np.argmax(still - torque)), still.shape)
-            raise Infeasible(
-                f"static overload: the trials show that {self.task.arm.names[joint]} needs {still[place, joint]:.2f} N m to hold and rub "
-                f"at s = {self.task.s[place]:.4f} rad of the path, limit {torque[joint]:g} N m. A slower motion does not help: "
-                "less payload, or another path"
-            )
         room = torque * (1 - self.margin)
         least = np.abs(c) + np.maximum(LEAST * (room - np.abs(c)), 1e-3 * torque)
         room = room - self.sigmas * model.spread
@@ -187,6 +232,12 @@ class Model:
         return Model(
             self.rows, np.maximum(self.spread, other.spread), np.maximum(self.below, other.below), np.maximum(self.above, other.above)
         )
+
+
+def _nearby(values: Floats) -> Floats:
+    """The largest ones of the bins around (B, joints)."""
+    padded = np.pad(values, ((ASIDE, ASIDE), (0, 0)), mode="edge")
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * ASIDE + 1, 0).max(-1))
 
 
 def sides(motion: Motion) -> tuple[Floats, Floats]:

@@ -21,10 +21,12 @@ Floats = NDArray[np.float64]
 
 SPEEDS = (0.0, 0.01, 0.02, 0.035, 0.06, 0.1)
 """Where the curve of friction has its numbers, rad/s: what it differs there from viscous and Coulomb friction."""
+CREEPING = 3
+"""The speeds from here on are those of creeping."""
 END = 0.2
 """From here on it differs by nothing, rad/s."""
 PLAIN = PAYLOAD + len(OF_A_JOINT)
-PLAIN_COULOMB = PAYLOAD + OF_A_JOINT.index("coulomb")
+COULOMB = PAYLOAD + OF_A_JOINT.index("coulomb")
 CURVE = 2 * len(SPEEDS)
 WAVES = 2
 
@@ -82,13 +84,23 @@ class Along:
         self.waves, self.ways = unknown.waves(task.q), direction(task.q1)
 
     def rows(self, numbers: Floats, x: Floats) -> tuple[Rows, Floats, Floats]:
-        """Rows of the torque with these numbers, the curve of friction taken at squared speeds ``x``; and how far below and above that curve is within
-        half an interval of each point, both from 0 up."""
+        """Rows of the torque with these numbers, the curve of friction taken at squared speeds ``x``; and how far friction is below and above that
+        within an interval of each point, both from 0 up."""
         plain, bends, ripple = self.unknown.split(numbers)
         rows = self.task.nominal + self.plain.times(plain)
-        curve, below, above = self._curve(bends, plain[:, PLAIN_COULOMB], x)
+        curve, below, above = self._curve(bends, plain[:, COULOMB], x)
         gain = 1 + (self.waves * ripple).sum(-1) if ripple.size else 1.0
         return Rows(gain * rows.a, gain * rows.b, gain * rows.d, gain * (rows.c + curve)), gain * below, gain * above
+
+    def creeping(self, numbers: Floats) -> tuple[Rows, Floats]:
+        """Rows without the curve of friction, and the torque (n, joints) that holding and rubbing take at low speed."""
+        plain, bends, _ = self.unknown.split(numbers)
+        rows = self.task.nominal + self.plain.times(plain)
+        if not bends.size:
+            return rows, np.abs(rows.c)
+        least = bends.reshape(len(bends), 2, len(SPEEDS))[:, :, CREEPING:].min(2)
+        curve = np.where(self.ways > 0, least[:, 0], 0.0) - np.where(self.ways < 0, least[:, 1], 0.0)
+        return rows, np.abs(rows.c + curve)
 
     def effects(self, u: Floats, x: Floats, tau: Floats) -> Floats:
         """As :meth:`Unknown.effects`, for a motion with path acceleration ``u`` and squared speeds ``x`` and its torques ``tau``."""

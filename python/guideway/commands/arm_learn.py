@@ -119,7 +119,7 @@ def _settings(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> int:
-    from guideway.arm.learning.loop import learn_task
+    from guideway.arm.learning.loop import Interrupted, learn_task
     from guideway.plants.arm import make_arm
 
     plant = make_arm(
@@ -132,9 +132,15 @@ def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> in
         seed=arguments.seed,
     )
     tell = options.note if arguments.json else print
-    found = learn_task(
-        task, plant, arguments.learner, trials=arguments.trials, settings=_settings(arguments), observe=lambda trial: tell(line(trial))
-    )
+    interrupted = False
+    try:
+        found = learn_task(
+            task, plant, arguments.learner, trials=arguments.trials, settings=_settings(arguments), observe=lambda trial: tell(line(trial))
+        )
+    except Interrupted as stop:
+        found, interrupted = stop.found, True
+        if not found.trials:
+            raise
     best = found.best if found.best is not None else min(range(len(found.trials)), key=lambda k: found.trials[k].measured)
     record = _record(arguments, task, path, found.motions[best])
     import numpy as np
@@ -149,6 +155,10 @@ def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> in
         print(summary(found, best))
     if found.best is None:
         options.note(f"none of {len(found.trials)} trials was without a measured violation: the one nearest to it was kept")
+    if interrupted:
+        options.note(f"interrupted: {len(found.trials)} of {arguments.trials} trials are complete")
+        return 130
+    if found.best is None:
         return 3
     return 0
 

@@ -60,4 +60,37 @@ def make_learner(name: str, task: Task, settings: Mapping[str, Any] | None = Non
     for key in settings or {}:
         if key not in known:
             raise BadParameter(f"the learner {name!r} has no setting {key!r}: one of {', '.join(known) or 'none'}")
+        _check(key, (settings or {})[key])
     return kind(task, **(settings or {}))
+
+
+_RANGES: dict[str, tuple[float, float, bool]] = {
+    "scale": (0.01, 1.0, False),
+    "sigmas": (0.0, 10.0, False),
+    "margin": (0.0, 0.5, False),
+    "forget": (0.01, 1.0, False),
+    "until": (1.0, 100.0, False),
+    "segments": (2, 500, True),
+    "step": (1e-4, 1.0, False),
+    "fine": (1e-4, 1.0, False),
+    "trials": (1, 10**6, True),
+    "closest": (1e-4, 0.5, False),
+    "relaxation": (0.01, 1.0, False),
+    "trust": (0.01, 0.9, False),
+    "settled": (0.0, 1.0, False),
+    "bins": (2, 1000, True),
+    "alpha": (1e-3, 1.0, False),
+    "trace": (0.0, 1.0, False),
+    "explore": (0.0, 1.0, False),
+    "seed": (0, 2**63 - 1, True),
+}
+"""Lowest and highest value of settings that are numbers, and whether they are whole."""
+
+
+def _check(key: str, value: Any) -> None:
+    if key not in _RANGES or (key == "until" and value is None):
+        return
+    low, high, whole = _RANGES[key]
+    number = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+    if not number or not low <= value <= high:
+        raise BadParameter(f"setting {key} = {value!r} is out of range: a {'whole ' if whole else ''}number from {low:g} to {high:g}")

@@ -18,7 +18,7 @@ from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.polytope import upper_end
 from guideway.arm.learning.regression import evidence, posterior
-from guideway.arm.learning.structured import BINS, Structured, sides
+from guideway.arm.learning.structured import BINS, GRID, Structured, sides
 from guideway.arm.learning.task import Task
 from guideway.arm.learning.unknown import Unknown
 from guideway.errors import BadParameter, Infeasible
@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 PLACES = 30
 """Stretches of the path; of each, the two measurements per joint and trial that bound the set most are kept: others would only make it smaller."""
 ROUNDS = 16
+HOPES = 3
+"""Rounds of the lower bound."""
 FASTER = (1.02, 1.05, 1.1, 1.2, 1.3, 1.45, 1.6, 1.8, 2.0)
 """Speeds of the motion before that are tried, should no optimum be safe."""
 SLOWER = (0.995, 0.99, 0.98, 0.96, 0.94, 0.91, 0.88, 0.84, 0.8)
@@ -48,11 +50,13 @@ class Guaranteed:
     lower_bound: float | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
+        if self.bound is not None:
+            self._stated()
         self._start = Structured(self.task, scale=self.scale)
         self._effects = self.task.dynamics.parameters(self.task.q, self.task.q1, self.task.q2)
         self._unknown = Unknown(self.task, curves=False)
         self._sizes = self._unknown.sizes
-        self._planned = self._start.next([])
+        self._planned, self._kinematic = self._start.next([]), self.task.optimum()
         self._trials, self._samples = [], []
         self._lag: int | None = None
         self._error: Floats | None = None
@@ -62,18 +66,26 @@ class Guaranteed:
         for log in logs[len(self._trials) :]:
             self._remember(log)
         if not self._trials:
-            self.lower_bound = self.task.optimum().duration
+            self.lower_bound = GRID * self._kinematic.duration
         elif self._planned is not None:
             self._planned = self._safe(self._planned)
         return self._planned
 
+    def _stated(self) -> Floats:
+        """The bound that was asked for, one per joint."""
+        joints = len(self.task.torque)
+        try:
+            given = np.broadcast_to(np.asarray(self.bound, float), (joints,))
+        except (ValueError, TypeError):
+            given = np.zeros(joints)
+        if not (np.isfinite(given).all() and (given > 0).all()):
+            raise BadParameter(f"setting bound = {self.bound!r} is out of range: a number of N m above 0, or one for each of the {joints} joints")
+        return np.asarray(given, float)
+
     def _remember(self, log: Log) -> None:
         joints = len(self.task.torque)
         if self._error is None:
-            given = 6 * log.noise + 0.05 if self.bound is None else np.broadcast_to(np.asarray(self.bound, float), (joints,))
-            if not (np.isfinite(given).all() and (given > 0).all()):
-                raise BadParameter(f"bound {self.bound!r} is out of range: a number of N m above 0, or one per joint")
-            self._error = given
+            self._error = 6 * log.noise + 0.05 if self.bound is None else self._stated()
         found, _, self._lag = evidence(self.task, log, self._unknown, self._lag, BINS)
         self._trials.append(found)
         seen, count = log.reference, len(log.t) - self._lag
@@ -94,6 +106,7 @@ class Guaranteed:
         turned = np.asarray(turned @ np.linalg.eigh(weight.T @ weight)[1], np.float64)
         middle, half = self._box(believed.mean, turned)
         rows = task.nominal + self._effects.times(middle)
+        self.lower_bound = max(self.lower_bound or 0.0, GRID * self._hopeful(rows, turned, half))
 
         def radius(motion: Motion) -> Floats:
             return np.maximum(*(np.abs(self._effects.at(u, motion.x) @ turned) @ half for u in sides(motion)))
@@ -104,6 +117,22 @@ class Guaranteed:
 
         tried = [motion for motion in self._candidates(rows, radius, before) if motion.duration < before.duration and safe(motion)]
         return min(tried, key=lambda motion: motion.duration, default=before)
+
+    def _hopeful(self, rows: Rows, turned: Floats, half: Floats) -> float:
+        """Duration of the optimum under ``|middle| <= limit + radius``, which every member of the set fulfils wherever its own torques are inside: no
+        member's optimum is faster. The radius is taken at speeds and accelerations that no motion exceeds: those of the optimum of the round before,
+        which is the fastest at every place."""
+        task, effects = self.task, self._effects
+        a, b, d, c = (np.abs(part @ turned) @ half for part in (effects.a, effects.b, effects.d, effects.c))
+        motion = self._kinematic
+        slowest, fastest = task.bounds(task.q1)
+        for _ in range(HOPES):
+            x = motion.x
+            reach = (np.maximum(-slowest, fastest) + np.abs(task.q2) * x[:, None]) / np.maximum(np.abs(task.q1), 1e-9)
+            wide = task.torque + a * reach.min(1)[:, None] + b * x[:, None] + d * np.sqrt(x)[:, None] + c
+            found = task.optimum(rows, -wide, wide)
+            motion = found if found.duration > motion.duration else motion
+        return motion.duration
 
     def _candidates(self, rows: Rows, radius: Callable[[Motion], Floats], before: Motion) -> list[Motion]:
         """Motions that may be safe: the motion before, faster; optima with less and less torque; the last of them, slower."""

@@ -110,9 +110,29 @@ def judged(task: Task, number: int, log: Log, lower: float | None, true: tuple[F
     return Trial(*found, float(share.max() - 1), float((np.diff(t) * (over[1:] & over[:-1])).sum()))
 
 
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C while learning; ``found`` holds the trials that were complete."""
+
+    def __init__(self, found: Learned) -> None:
+        super().__init__("interrupted while learning")
+        self.found = found
+
+
 def run(task: Task, learner: Learner, plant: ArmPlant, trials: int, observe: Callable[[Trial], object] | None = None) -> Learned:
-    """Up to ``trials`` trials of a learner against a plant; ``observe`` sees each."""
+    """Up to ``trials`` trials of a learner against a plant; ``observe`` sees each. Raises :class:`Interrupted` on Ctrl-C."""
     found = Learned(task, type(learner).__name__)
+    try:
+        _tried(found, learner, plant, trials, observe)
+    except KeyboardInterrupt as stop:
+        raise Interrupted(found) from stop
+    finally:
+        count = len(found.trials)
+        found.true = list(getattr(plant, "true", []))[:count]
+        del found.motions[count:], found.logs[count:]
+    return found
+
+
+def _tried(found: Learned, learner: Learner, plant: ArmPlant, trials: int, observe: Callable[[Trial], object] | None) -> None:
     for number in range(1, trials + 1):
         motion = learner.next(found.logs)
         if motion is None:
@@ -122,13 +142,12 @@ def run(task: Task, learner: Learner, plant: ArmPlant, trials: int, observe: Cal
         if log.motion is not motion:
             raise BadParameter("the plant returned the log of another motion: run(motion) must return Log(motion, ...)")
         true = getattr(plant, "true", None)
+        trial = judged(found.task, number, log, getattr(learner, "lower_bound", None), true[-1] if true else None)
         found.motions.append(motion)
         found.logs.append(log)
-        found.trials.append(judged(task, number, log, getattr(learner, "lower_bound", None), true[-1] if true else None))
+        found.trials.append(trial)
         if observe:
-            observe(found.trials[-1])
-    found.true = list(getattr(plant, "true", []))
-    return found
+            observe(trial)
 
 
 def learn_task(
@@ -149,8 +168,13 @@ def learn_task(
         raise BadParameter(f"trials {trials!r} is out of range: a whole number from 1")
     made = make_learner(learner, task, settings) if isinstance(learner, str) else learner
     rows = getattr(plant, "rows", None)
-    found = run(task, made, plant, trials, observe)
-    found.learner = learner if isinstance(learner, str) else type(learner).__name__
+    named = learner if isinstance(learner, str) else type(learner).__name__
+    try:
+        found = run(task, made, plant, trials, observe)
+    except Interrupted as stop:
+        stop.found.learner = named
+        raise
+    found.learner = named
     if rows is not None:
         from guideway.arm.learning.oracle import optimum
 

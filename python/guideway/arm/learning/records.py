@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,14 @@ Floats = NDArray[np.float64]
 
 LEAST = 50
 """Rows of a log, at the least."""
+STEPS = (1e-4, 0.05)
+"""Between its rows, s."""
+HOLE = 0.05
+"""Longest time without a sample, s, and no more than ten times the usual one."""
+UNIT = 8.0
+"""Measured torques that are so many times larger or smaller than those of the arm alone are in another unit."""
+KNOWN = 0.05
+"""Where the arm alone takes less than this share of its torques, nothing can be said about the unit."""
 AWAY = 0.05
 """Distance from the path (rad, over all joints) from which a log is that of another path."""
 ENDS = 0.02
@@ -51,6 +59,7 @@ def load_log(path: str | os.PathLike[str], names: tuple[str, ...]) -> Measured:
     header = tuple(word.strip() for word in first.split(","))
     if len(set(header)) != len(header) or not all(header):
         raise BadFile(where, f"the header is {show(first)}", "different names of columns, separated by commas", "Correct the first line")
+    _whole(where, text, len(header))
     columns = [_column(where, header, ("t", "time"))]
     for kinds in (("{name}", "q_{name}", "q{k}"), ("{name}_torque", "{name}_effort", "tau_{name}", "tau{k}")):
         columns += [_column(where, header, tuple(kind.format(name=joint, k=k + 1) for kind in kinds)) for k, joint in enumerate(names)]
@@ -62,7 +71,35 @@ def load_log(path: str | os.PathLike[str], names: tuple[str, ...]) -> Measured:
         row = int(np.argmax(np.diff(table[:, 0]) <= 0)) + 3
         raise BadFile(f"{where}, row {row}", "the time does not increase", "t in s, one row after the other", "Sort the log, drop repeated samples")
     joints = len(names)
-    return Measured(where, table[:, 0] - table[0, 0], table[:, 1 : 1 + joints], table[:, 1 + joints :])
+    found = Measured(where, table[:, 0] - table[0, 0], table[:, 1 : 1 + joints], table[:, 1 + joints :])
+    _sampled(found, table[0, 0])
+    return found
+
+
+def _whole(where: str, text: str, columns: int) -> None:
+    """Refuses a file whose last line is cut off."""
+    lines = text.rstrip().split("\n")
+    if len(lines) > 2 and not text.endswith("\n") and lines[-1].count(",") + 1 < columns == lines[-2].count(",") + 1:
+        allowed = f"{columns} numbers in each row"
+        raise BadFile(
+            f"{where}, line {len(lines)}", "the file ends in the middle of a row: it is cut", allowed, "Copy the log again, or record again"
+        )
+
+
+def _sampled(found: Measured, start: float) -> None:
+    """Refuses logs with the wrong unit of time, with holes, and without torques."""
+    step = np.diff(found.t)
+    usual = float(np.median(step))
+    if not STEPS[0] <= usual <= STEPS[1]:
+        allowed = f"from {STEPS[0]:g} to {STEPS[1]:g} s"
+        raise BadFile(found.where, f"its samples are {usual:g} s apart", allowed, "State t in seconds, record 100 to 1000 samples a second")
+    hole = int(np.argmax(step))
+    if step[hole] > max(10 * usual, HOLE):
+        what = f"there are no samples between t = {start + found.t[hole]:.3f} and {start + found.t[hole + 1]:.3f} s: a piece is missing"
+        raise BadFile(found.where, what, f"gaps of at most {max(10 * usual, HOLE):g} s", "Record the whole trial in one piece")
+    if (np.ptp(found.tau, axis=0) == 0).all():
+        what = f"its torques never change (the first one is {found.tau[0, 0]:g} N m throughout)"
+        raise BadFile(found.where, what, "measured joint torques in N m", "Record torques, not a setting")
 
 
 def _column(where: str, header: tuple[str, ...], allowed: tuple[str, ...]) -> int:
@@ -78,7 +115,9 @@ def as_log(task: Task, measured: Measured, motion: Motion | None) -> tuple[Log, 
 
     Raises :class:`guideway.errors.BadFile` for a log of another path, and for one that does not reach the end.
     """
+    measured = _turned(task, measured)
     s = _places(task, measured)
+    _plausible(task, measured, s)
     start, end = _moving(measured, s, task)
     t, s = measured.t[start:end], s[start:end]
     if motion is not None:
@@ -94,6 +133,34 @@ def as_log(task: Task, measured: Measured, motion: Motion | None) -> tuple[Log, 
     return Log(rough, t - t[0], measured.q[start:end], measured.tau[start:end], seen=seen), False
 
 
+def _turned(task: Task, measured: Measured) -> Measured:
+    """The log with whole turns taken off angles that start whole turns away from the path; refuses degrees."""
+    first = task.path.eval(np.zeros(1))[0][0]
+    turns = np.round((measured.q[0] - first) / (2 * np.pi))
+    if np.abs(np.radians(measured.q[0]) - first).max() < AWAY < np.abs(measured.q[0] - 2 * np.pi * turns - first).max():
+        what = f"its angles look like degrees: the first one is {measured.q[0, 0]:g}, the path begins at {first[0]:.4f} rad"
+        raise BadFile(measured.where, what, "angles in rad", "Multiply them by pi / 180")
+    return replace(measured, q=measured.q - 2 * np.pi * turns)
+
+
+def _plausible(task: Task, measured: Measured, s: Floats) -> None:
+    """Refuses torques with the wrong sign or in another unit, as far as what the arm alone weighs tells."""
+    weight = task.dynamics.nominal(*task.path.eval(s, 2)).c / task.torque
+    tau = measured.tau / task.torque
+    if np.sqrt((weight**2).mean(0)).max() < KNOWN:
+        return
+    ratio = float((tau * weight).sum() / (weight**2).sum())
+    size = float(np.sqrt((tau**2).sum() / (weight**2).sum()))
+    if ratio < -0.3 * size:
+        what = "its torques have the wrong sign: they point down where the arm must be held up"
+        raise BadFile(measured.where, what, "torques that lift the arm where its angle grows upwards, N m", "Turn the sign of the torques round")
+    if not 1 / UNIT <= size <= UNIT:
+        what = f"its torques are {size:.3g} times those that the arm alone takes to be held"
+        raise BadFile(
+            measured.where, what, f"from {1 / UNIT:g} to {UNIT:g} times", "State torques of the joints in N m, or correct the robot's masses"
+        )
+
+
 def _places(task: Task, measured: Measured) -> Floats:
     """Where on the path each sample is: nearest points, forwards only (with a little play), from the start on."""
     trace = np.linspace(0.0, task.s[-1], TRACE + 1)
@@ -106,11 +173,11 @@ def _places(task: Task, measured: Measured) -> Floats:
         near = int(np.argmin(apart))
         at = max(at, low + near) if k else near
         found[k], gaps[k] = trace[low + near], np.sqrt(apart[near])
-    worst = int(np.argmax(gaps))
-    if gaps[worst] > AWAY:
+    if gaps.max() > AWAY:
+        worst = int(np.argmax(gaps > AWAY))
         raise BadFile(
             measured.where,
-            f"at t = {measured.t[worst]:.3f} s of the log the arm is {gaps[worst]:.3f} rad away from the path: "
+            f"from t = {measured.t[worst]:.3f} s of the log on the arm is up to {gaps.max():.3f} rad away from the path: "
             "this is the log of another path, or the joints are mixed up",
             f"at most {AWAY:g} rad",
             "Name the log of a trial on this path",

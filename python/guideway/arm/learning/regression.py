@@ -27,8 +27,8 @@ QUIET = 15
 
 @dataclass(frozen=True)
 class Samples:
-    """Of one trial, a row per sample (n, joints): joint angles ``q``, torques ``tau`` without their noise, measured less nominal torques ``left``, how
-    the unknown numbers enter (n, joints, width), and where the arm was ``following`` its reference."""
+    """Of one trial, a row per sample (n, joints): joint angles ``q``, torques ``tau`` without their noise, measured less nominal torques ``left``,
+    how the unknown numbers enter (n, joints, width), and where the arm was ``following`` its reference."""
 
     q: Floats
     tau: Floats
@@ -83,8 +83,8 @@ def evidence(task: Task, log: Log, unknown: Unknown, lag: int | None, bins: int)
 
 
 def _following(log: Log, ways: Floats) -> NDArray[np.bool_]:
-    """Where each joint moves as it was asked to, (n, joints). For a while after it starts or turns round it may stick: friction has any size then, and
-    such samples say nothing."""
+    """Where each joint moves as it was asked to, (n, joints). For a while after it starts or turns round it may stick: friction has any size then,
+    and such samples say nothing."""
     half = max(1, round(FOLLOWED / np.median(np.diff(log.t))))
     wide = (log.t[2 * half :] - log.t[: -2 * half])[:, None]
     measured, asked = ((q[2 * half :] - q[: -2 * half]) / wide for q in (log.q, log.reference.q))
@@ -169,4 +169,3 @@ def posterior(trials: list[Evidence], unknown: Unknown, forget: float, inflation
     normal, right = assembled(unknown, np.asarray(square), np.asarray(cross))
     covariance = np.linalg.inv(np.eye(unknown.count) + normal * np.outer(sizes, sizes))
     return Posterior(unknown, sizes * (covariance @ (right * sizes)), covariance * np.outer(sizes, sizes))
-

@@ -59,8 +59,8 @@ def _around(values: Floats) -> Floats:
 
 
 def condition(trials: list[Evidence], belief: Posterior, size: Floats, age: list[Floats], length: float) -> Residual:
-    """The process given what every trial left over. ``size`` (B, joints) is its amplitude, ``length`` its correlation length in bins, ``age`` per trial
-    the share (B, joints) of its variance that the trial says nothing about, because it was run under other conditions or long ago."""
+    """The process given what every trial left over. ``size`` (B, joints) is its amplitude, ``length`` its correlation length in bins, ``age`` per
+    trial the share (B, joints) of its variance that the trial says nothing about, because it was run under other conditions or long ago."""
     bins, joints = trials[0].left.shape
     weight, right = np.full((bins, joints), 1e-12), np.zeros((bins, joints))
     for trial, old in zip(trials, age, strict=True):

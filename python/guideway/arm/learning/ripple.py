@@ -1,7 +1,8 @@
 """The ripple of gears in what is left over of measured torques: waves over the joint's angle that are as large as its torque is.
 
-A harmonic drive comes and goes twice in a turn of its fast side. How many turns that are is a matter of the gear, so it is looked for: in the spectrum of
-residual times torque over the joint's angle, all trials added up with their phases, all joints together first (arms often have one ratio throughout).
+A harmonic drive comes and goes twice in a turn of its fast side. How many turns that are is a matter of the gear, so it is looked for: in the
+spectrum of residual times torque over the joint's angle, all trials added up with their phases, all joints together first (arms often have one
+ratio throughout).
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ class Spectrum:
         self._range = np.tile([np.inf, -np.inf], (self.joints, 1))
 
     def add(self, q: Floats, tau: Floats, left: Floats, sigma: Floats) -> bool:
-        """Takes in a trial: angles, torques and what is left over of them without any ripple taken off (n, joints), noise (joints,). Does another ripple
-        stand out now than before?"""
+        """Takes in a trial: angles, torques and what is left over of them without any ripple taken off (n, joints), noise (joints,). Does another
+        ripple stand out now than before?"""
         for joint in range(self.joints):
             cell = np.round(q[:, joint] / CELL).astype(int) % CELLS
             weighted = np.bincount(cell, weights=left[:, joint] * tau[:, joint], minlength=CELLS)

@@ -17,7 +17,7 @@ ever. Where a segment still violates at the lowest node speeds, standing still i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.spline import FLOOR, SpeedSpline
 from guideway.arm.learning.task import Task
-from guideway.errors import BadParameter, Infeasible
+from guideway.errors import Infeasible
 
 Floats = NDArray[np.float64]
 
@@ -45,11 +45,9 @@ class Source:
     margin: float = 0.03
     trials: int = 40
     reading: str = "corrected"
-    success: bool = False
+    success: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        if not 2 <= self.segments <= 500:
-            raise BadParameter(f"segments {self.segments!r} is out of range: a whole number from 2 to 500")
         task, self.kinematic = self.task, self.task.optimum()
         per = max(PER_SEGMENT, -(-len(task.s) // self.segments))
         self.s = np.linspace(0.0, task.s[-1], per * self.segments + 1)

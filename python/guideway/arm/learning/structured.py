@@ -32,11 +32,13 @@ Floats = NDArray[np.float64]
 BINS = 300
 LENGTH = 8.0
 """Of the residual: bins of the path, and its correlation length in bins."""
+GRID = 0.998
+"""Of an optimum on the grid: what is certainly less than the optimum between its points."""
 ALIKE = 0.3
 """Torques that differ by this share of the limit say nothing about each other's residual."""
 LEAST = 0.25
-"""Share of the torque beside holding and rubbing that is planned with whatever the doubt: where even standing still may be too much, creeping does not
-help."""
+"""Share of the torque beside holding and rubbing that is planned with whatever the doubt: where even standing still may be too much, creeping does
+not help."""
 REMEMBERED = 3
 """Trials that a motion is compared with, the newest ones."""
 ENOUGH = 2
@@ -78,7 +80,7 @@ class Structured:
         while len(self._trials) < len(logs):
             self._remember(logs[: len(self._trials) + 1])
         if not self._trials:
-            self.lower_bound = self._kinematic.duration
+            self.lower_bound = GRID * self._kinematic.duration
             return self._planned
         self._plan()
         clean = not logs[-1].stopped and not logs[-1].violations(self.task.torque).any()
@@ -98,8 +100,8 @@ class Structured:
         self._feel(logs[-1], samples)
 
     def _feel(self, log: Log, samples: Samples) -> None:
-        """Where torques were beyond their limits and the numbers do not say why (a controller that overshoots as a joint breaks loose), as much is kept
-        away from the limits for the next trials."""
+        """Where torques were beyond their limits and the numbers do not say why (a controller that overshoots as a joint breaks loose), as much is
+        kept away from the limits for the next trials."""
         torque, unknown, count = self.task.torque, self._along.unknown, len(samples.q)
         over, seen = log.violations(torque)[-count:], log.filtered[-count:]
         explained = log.tau[-count:] - samples.left + predicted(unknown, samples.effects, self._belief()[0].mean)
@@ -149,7 +151,7 @@ class Structured:
         low, high = self._room(model)
         wide = torque + self.sigmas * model.spread
         fastest = task.optimum(model.rows, np.minimum(-wide, low), np.maximum(wide, high), motion)
-        self.lower_bound = max(self._kinematic.duration, min(fastest.duration, motion.duration))
+        self.lower_bound = GRID * max(self._kinematic.duration, min(fastest.duration, motion.duration))
         self._planned = motion
 
     def _holds(self, belief: Posterior) -> None:
@@ -200,8 +202,8 @@ class Structured:
         return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below + self._felt[0][self._place], above + self._felt[1][self._place])
 
     def _doubt(self, belief: Posterior, effects: Floats) -> Floats:
-        """Standard deviation (n, joints) of a torque because the numbers are uncertain: of all of it, or of what is different from a trial where it was
-        measured, whichever is less."""
+        """Standard deviation (n, joints) of a torque because the numbers are uncertain: of all of it, or of what is different from a trial where
+        it was measured, whichever is less."""
         place, doubt = self._place, belief.spread(effects)
         for trial in self._trials[-REMEMBERED:]:
             there = trial.counts[place] >= ENOUGH
@@ -209,7 +211,8 @@ class Structured:
         return doubt
 
     def _room(self, model: Model) -> tuple[Floats, Floats]:
-        """How much torque may be planned with, lowest and highest; always a little more than holding and rubbing take, or nothing could be planned."""
+        """How much torque may be planned with, lowest and highest; always a little more than holding and rubbing take, or nothing could be
+        planned."""
         torque, c = self.task.torque, model.rows.c
         room = torque * (1 - self.margin)
         least = np.abs(c) + np.maximum(LEAST * (room - np.abs(c)), 1e-3 * torque)
@@ -219,8 +222,8 @@ class Structured:
 
 @dataclass(frozen=True)
 class Model:
-    """What is predicted of a motion's torques: ``rows``, their standard deviation ``spread``, and how far friction may be ``below`` and ``above`` them
-    between grid points; all (n, joints), N m."""
+    """What is predicted of a motion's torques: ``rows``, their standard deviation ``spread``, and how far friction may be ``below`` and ``above``
+    them between grid points; all (n, joints), N m."""
 
     rows: Rows
     spread: Floats
@@ -229,9 +232,7 @@ class Model:
 
     def wider(self, other: Model) -> Model:
         """With the larger ones of both spreads and ranges."""
-        return Model(
-            self.rows, np.maximum(self.spread, other.spread), np.maximum(self.below, other.below), np.maximum(self.above, other.above)
-        )
+        return Model(self.rows, np.maximum(self.spread, other.spread), np.maximum(self.below, other.below), np.maximum(self.above, other.above))
 
 
 def _nearby(values: Floats) -> Floats:

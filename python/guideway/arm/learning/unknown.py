@@ -1,8 +1,9 @@
 """The numbers that are not known of an arm, and how each of them enters its torques: payload, friction, motors; friction at low speeds; the ripple of
 gears.
 
-The first are those of :mod:`guideway.arm.learning.dynamics`. Friction near standstill follows no law that is linear in anything, so it is a curve over
-speed, a number at each of a few speeds and for each direction. A gear's ripple multiplies the torque of its joint by a wave over the joint's angle.
+The first are those of :mod:`guideway.arm.learning.dynamics`. Friction near standstill follows no law that is linear in anything, so it is a curve
+over speed, a number at each of a few speeds and for each direction. A gear's ripple multiplies the torque of its joint by a wave over the joint's
+angle.
 """
 
 from __future__ import annotations

@@ -13,12 +13,15 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 import guideway as gw
 from guideway.arm.learning import LEARNERS, Log, Motion, Task, make_learner
 from guideway.arm.learning.dynamics import Dynamics
-from guideway.arm.learning.loop import learn_task, run
+from guideway.arm.learning.loop import Interrupted, learn_task, run
 from guideway.arm.learning.oracle import optimum
 from guideway.arm.learning.polytope import upper_end
 from guideway.arm.learning.records import as_log, load_log
+from guideway.arm.learning.regression import evidence, posterior, predicted
 from guideway.arm.learning.residual import smoothed
+from guideway.arm.learning.ripple import Spectrum
 from guideway.arm.learning.spline import monotone_slopes, smooth_slopes
+from guideway.arm.learning.unknown import END, SPEEDS, Unknown
 from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
 from guideway.plants.arm_friction import JointFriction
 
@@ -189,6 +192,89 @@ def test_the_residual_is_that_of_the_full_gaussian_process():
         np.testing.assert_allclose(spread[:, j] ** 2, np.diag(kernel - gain @ kernel), atol=1e-9)
 
 
+def test_the_curve_of_friction_is_linear_between_its_speeds_and_each_way_apart(task):
+    unknown = Unknown(task)
+    qd = np.array([*SPEEDS, END, 1.0, 0.5 * (SPEEDS[1] + SPEEDS[2])])
+    forwards, backwards = unknown.bends(qd, np.ones_like(qd)), unknown.bends(-qd, -np.ones_like(qd))
+    count = len(SPEEDS)
+    np.testing.assert_allclose(forwards[:count, :count], np.eye(count), atol=1e-12)
+    np.testing.assert_allclose(backwards[:count, count:], -np.eye(count), atol=1e-12)
+    assert not forwards[:, count:].any()
+    assert not backwards[:, :count].any()
+    np.testing.assert_allclose(forwards[count : count + 2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(forwards[-1, 1:3], 0.5)
+
+
+def test_ripple_is_found_where_there_is_one_and_not_in_noise():
+    draw = np.random.default_rng(1)
+    q = 0.4 * np.sin(np.linspace(0, 5, 3000))[:, None] * np.array([1.0, 0.8])
+    tau = 15 + 10 * np.cos(np.linspace(0, 9, 3000))[:, None] * np.ones(2)
+    sigma = np.array([0.5, 0.5])
+    quiet, loud = Spectrum(2), Spectrum(2)
+    noise = draw.normal(size=q.shape) * sigma
+    assert not quiet.add(q, tau, noise, sigma)
+    assert loud.add(q, tau, noise + 0.01 * tau * np.sin(202 * q + 0.7), sigma)
+    np.testing.assert_allclose(loud.cycles, 202.0, rtol=0.005)
+    assert not loud.add(q, tau, noise + 0.01 * tau * np.sin(202 * q + 0.7), sigma)
+
+
+def test_full_friction_is_explained_after_one_slow_trial(task):
+    """Stribeck, softened sign, asymmetry and ripple: what is left over of the next trial's true torque is a fraction of the noise."""
+    plant = make_arm("ideal", task, payload=2.0, friction="full", seed=7)
+    learner = make_learner("structured", task)
+    log = plant.run(learner.next([]))
+    learner.next([log])
+    unknown = learner._along.unknown
+    np.testing.assert_allclose(unknown.cycles[[0, 1, 2, 3, 5]], 202.0, rtol=0.01)
+    motion = learner.next([log])
+    quiet = dataclasses.replace(plant, sensors=Sensors((0.0,) * 6, quantum=0.0, delay=0))
+    quiet.trials = 1
+    true = quiet.run(motion)
+
+    def left_over(unknown):
+        """Root mean square of the error (N m, per joint) of the second trial's true torque, predicted from the first one."""
+        seen = evidence(task, log, unknown, 1, 300)[0]
+        belief = posterior([seen], unknown, 0.95, np.ones(6))
+        samples = evidence(task, true, unknown, 0, 300)[1]
+        return np.sqrt(((samples.left - predicted(unknown, samples.effects, belief.mean)) ** 2).mean(0))
+
+    whole, plain = left_over(unknown), left_over(Unknown(task, curves=False))
+    assert (whole < 0.4 * np.array([0.5, 0.5, 0.5, 0.15, 0.15, 0.15])).all()
+    assert whole.sum() < 0.5 * plain.sum()
+
+
+@pytest.mark.parametrize("seed", [1, 2, pytest.param(3, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow)])
+def test_no_limit_is_exceeded_whatever_the_friction(task, seed):
+    draw = np.random.default_rng([8, seed])
+    viscous, coulomb = (tuple(np.asarray(part) * draw.uniform(0.5, 1.5, 6)) for part in usual_friction(task))
+    arm = task.arm.with_payload(float(draw.uniform(0, 2)), (0.03, -0.02, 0.1))
+    plant = IdealArm(arm, JointFriction.of("full", viscous, coulomb), Sensors.usual(0.8, 6), task.torque, seed=seed)
+    found = learn_task(task, plant, trials=4)
+    assert all(trial.true <= 0.0 for trial in found.trials[1:])
+    assert found.trials[-1].duration <= 1.1 * found.oracle.duration
+    assert all(trial.lower_bound <= 1.003 * found.oracle.duration for trial in found.trials)
+
+
+def test_what_no_model_explains_is_kept_away_from_once_it_was_felt(task):
+    """A torque that depends on the path alone, at one place: as if a cable were pulled tight there."""
+    plain = make_arm("ideal", task, payload=3.0, seed=4)
+
+    class Pulled:
+        def __init__(self):
+            self.worst = []
+
+        def run(self, motion):
+            log = plain.run(motion)
+            pull = -6.0 * np.exp(-(((log.reference.s - 0.55 * task.s[-1]) / 0.03) ** 2))[:, None] * np.array([0, 1.0, 0, 0, 0, 0])
+            quiet = np.abs(plain.truth(motion.sample(times=log.t)) + pull) / task.torque
+            self.worst.append(float(quiet.max() - 1))
+            return dataclasses.replace(log, tau=log.tau + pull)
+
+    cell = Pulled()
+    run(task, make_learner("structured", task), cell, 5)
+    assert max(cell.worst[2:]) <= 0.01
+
+
 def test_upper_ends_are_proven_and_tight():
     from scipy.optimize import linprog
 
@@ -211,6 +297,32 @@ def test_guaranteed_never_exceeds_a_limit_and_never_slows_down(task, seed):
     durations = [trial.duration for trial in found.trials]
     assert durations == sorted(durations, reverse=True)
     assert durations[-1] < 0.8 * durations[0]
+    bounds, best = [trial.lower_bound for trial in found.trials], optimum(task, plant.rows).duration
+    assert bounds == sorted(bounds)
+    assert bounds[-1] <= best
+
+
+def test_the_second_step_of_two_step_learning_comes_near_where_nothing_is_carried(task):
+    found = learn_task(task, make_arm("ideal", task, seed=0), "ilc2", trials=16)
+    assert not any(trial.stopped for trial in found.trials)
+    assert found.trials[-1].duration / found.oracle.duration == pytest.approx(1.0, abs=0.06)
+    assert max(trial.true for trial in found.trials) < 0.15
+
+
+def test_interrupted_learning_keeps_what_was_found(task):
+    plant = make_arm("ideal", task, payload=3.0, seed=5)
+
+    def stop(trial):
+        if trial.number == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        learn_task(task, plant, trials=6, observe=stop)
+    assert isinstance(caught.value, Interrupted)
+    found = caught.value.found
+    assert len(found.trials) == len(found.motions) == len(found.logs) == len(found.true) == 2
+    assert found.learner == "structured"
+    assert found.motion.duration == found.trials[1].duration
 
 
 def written(path, names, log, **changes):
@@ -269,6 +381,28 @@ def test_what_is_wrong_with_a_log_is_said(task, tmp_path):
     assert "at least 50" in complaint(written(tmp_path / "short.csv", names, short))
     with pytest.raises(gw.BadFile):
         load_log(tmp_path / "missing.csv", names)
+    file = tmp_path / "odd.csv"
+    for changes, words in (
+        ({"t": 1000 * log.t}, "apart"),
+        ({"q": np.degrees(log.q)}, "look like degrees"),
+        ({"tau": -log.tau}, "wrong sign"),
+        ({"tau": 1000 * log.tau}, "times those that the arm alone takes"),
+        ({"tau": 0 * log.tau}, "never change"),
+    ):
+        assert words in complaint(written(file, names, dataclasses.replace(log, **changes)))
+    kept = np.r_[:800, 1200 : len(log.t)]
+    assert "a piece is missing" in complaint(written(file, names, dataclasses.replace(log, t=log.t[kept], q=log.q[kept], tau=log.tau[kept])))
+    lines = good.read_text().splitlines()
+    file.write_text("\n".join(lines[:2]))
+    assert "at least 50" in complaint(file)
+
+
+def test_whole_turns_of_a_joint_do_not_matter(task, tmp_path):
+    log = make_arm("ideal", task, seed=2).run(make_learner("structured", task).next([]))
+    turned = dataclasses.replace(log, q=log.q + 2 * np.pi * np.array([0, 0, 0, 1, 0, -1]))
+    read, planned = as_log(task, load_log(written(tmp_path / "turned.csv", task.arm.names, turned), task.arm.names), log.motion)
+    assert planned
+    assert np.abs(read.q - read.reference.q).max() < 0.01
 
 
 def test_safety_stop_ends_a_trial_and_learning_goes_on(task):
@@ -288,6 +422,13 @@ def test_learners_and_their_settings_are_checked(task):
         make_learner("structured", task, {"speed": 1})
     with pytest.raises(gw.BadParameter, match="no setting"):
         make_learner("kinematic", task, {"speed": 1})
+    wrong = ({"scale": "abc"}, {"scale": 0}, {"scale": 3}, {"sigmas": -3}, {"margin": True}, {"forget": float("nan")}, {"until": 0.5})
+    for settings in wrong:
+        with pytest.raises(gw.BadParameter, match=f"setting {next(iter(settings))} = .* is out of range"):
+            make_learner("structured", task, settings)
+    for name, settings in (("source", {"segments": 2.5}), ("rl", {"trials": 0}), ("guaranteed", {"bound": -1}), ("guaranteed", {"bound": [1, 2]})):
+        with pytest.raises(gw.BadParameter, match="is out of range"):
+            make_learner(name, task, settings)
     with pytest.raises(gw.BadParameter, match="trials 0"):
         learn_task(task, make_arm("ideal", task), trials=0)
     for wrong in ({"payload": -1.0}, {"friction": "some"}, {"noise": float("nan")}):

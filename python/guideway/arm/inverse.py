@@ -210,7 +210,8 @@ def _creep(solver: Solver, pose_at: Callable[[Floats], Floats], span: tuple[floa
         elif reached or _reachable(solver, pose_at(np.array([end]))[0]):
             raise _singular(solver.arm, pose, to, _smallest(solver.arm, q))
         else:
-            raise _unreachable(solver, pose, found, f" at {100 * to:.4g} % of the path")
+            pose = pose_at(np.array([end]))[0]  # the last one that is reached is as good as there
+            raise _unreachable(solver, pose, solver.solve(solver.target(pose), q, 200)[0], f" at {100 * end:.4g} % of the path")
     return q
 
 

@@ -125,6 +125,9 @@ def _joint(where: str, element: ElementTree.Element) -> Joint:
         if bounds[0] > bounds[1]:
             raise BadFile(at, f"its lower limit {bounds[0]:g} is above its upper limit {bounds[1]:g}", "lower <= upper", "Correct the file")
     speed, effort = (float(limit.get(key, "0")) if limit is not None else 0.0 for key in ("velocity", "effort"))
+    for key, value in (("velocity", speed), ("effort", effort)):
+        if value < 0:
+            raise BadFile(f"{at}, limit {key}", f"{value:g} is below 0", "a number above 0; 0 means not given", "Correct the file")
     follows = None
     if mimic is not None:
         follows = (mimic.get("joint", ""), float(mimic.get("multiplier", "1")), float(mimic.get("offset", "0")))

@@ -67,8 +67,8 @@ class TwoStep:
 
     def _next(self, before: Motion, log: Log) -> Motion:
         """The optimum of the corrected model whose squared speeds are at most ``trust`` above those of the last motion, and not above them where that
-        did not get. Where the correction alone is beyond a limit (it holds what friction and the payload took at that speed) the model knows no motion
-        at all: there, squared speeds fall by ``trust``. Slower as a whole where no optimum exists."""
+        did not get. Where the correction alone is beyond a limit (it holds what friction and the payload took at that speed) the model knows no
+        motion at all: there, squared speeds fall by ``trust``. Slower as a whole where no optimum exists."""
         nominal, torque = self.task.nominal, self.task.torque
         rows = Rows(nominal.a, nominal.b, nominal.d, nominal.c + self._correction)
         room, least = np.broadcast_to(torque * (1 - self.margin), rows.c.shape), 1.001 * np.abs(rows.c) + 1e-3 * torque

@@ -32,6 +32,8 @@ Floats = NDArray[np.float64]
 BINS = 300
 LENGTH = 8.0
 """Of the residual: bins of the path, and its correlation length in bins."""
+HOPES = 2
+"""Rounds of the lower bound."""
 GRID = 0.998
 """Of an optimum on the grid: what is certainly less than the optimum between its points."""
 ALIKE = 0.3
@@ -137,7 +139,7 @@ class Structured:
 
     def _plan(self) -> None:
         """A new motion and a new lower bound from everything that was seen."""
-        task, torque = self.task, self.task.torque
+        task = self.task
         belief, size = self._belief()
         self._holds(belief)
         motion = self._planned
@@ -148,11 +150,21 @@ class Structured:
             if step < ROUNDS - 1:
                 now = self._predicted(belief, size, motion)
                 model = now if step < ROUNDS - 2 else now.wider(model)
-        low, high = self._room(model)
-        wide = torque + self.sigmas * model.spread
-        fastest = task.optimum(model.rows, np.minimum(-wide, low), np.maximum(wide, high), motion)
-        self.lower_bound = GRID * max(self._kinematic.duration, min(fastest.duration, motion.duration))
+        self.lower_bound = GRID * max(self._kinematic.duration, min(self._fastest(belief, size, model, motion), motion.duration))
         self._planned = motion
+
+    def _fastest(self, belief: Posterior, size: Floats, model: Model, motion: Motion) -> float:
+        """Duration of the optimum of the optimistic model: limits widened by as much as the margin draws them in. Friction at low speed depends on
+        the motion, so the optimum is found again under what it is along the first one; the shorter one counts."""
+        found = motion
+        durations = []
+        for _ in range(HOPES):
+            low, high = self._room(model)
+            wide = self.task.torque + self.sigmas * model.spread
+            found = self.task.optimum(model.rows, np.minimum(-wide - model.below, low), np.maximum(wide + model.above, high), found)
+            durations.append(found.duration)
+            model = self._predicted(belief, size, found)
+        return min(durations)
 
     def _holds(self, belief: Posterior) -> None:
         """Raises where even creeping takes more torque than there is, beyond doubt."""

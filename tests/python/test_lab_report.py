@@ -401,3 +401,12 @@ def test_a_method_that_could_not_be_run_is_not_judged(tmp_path: Path) -> None:
     claims = summaries(put(tmp_path / "runs", spec(["one"], ["good", "poor"], rest=CLAIMS), rows))["claims"]
     assert {claims[k]["verdict"] for k in (0, 1, 3)} == {"cannot be judged"}
     assert claims[3]["reason"] == "poor could not be run here: MissingExtra: it needs a library"
+
+
+def test_yes_and_no_have_the_interval_of_a_rate(tmp_path: Path) -> None:
+    rows = [record("one", "good", seed, 10.0, measures={"turns": float(seed > 1)}) for seed in range(6)]
+    found = summaries(put(tmp_path / "runs", spec(["one"], ["good"]), rows))["cells"][0]["measures"]["turns"]
+    assert (found["mean"], found["rate"]) == (pytest.approx(2 / 3), True)
+    z = 1.959963984540054
+    middle, half = (2 / 3 + z * z / 12) / (1 + z * z / 6), z * math.sqrt(2 / 9 / 6 + z * z / 144) / (1 + z * z / 6)
+    assert (found["low"], found["high"]) == (pytest.approx(middle - half), pytest.approx(middle + half))

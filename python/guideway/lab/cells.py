@@ -168,6 +168,11 @@ def known_metrics(kind: str) -> Mapping[str, Metric]:
         return {}
 
 
+def is_rate(metric: Metric, values: Sequence[float]) -> bool:
+    """Whether a measure says yes or no: its interval is Wilson's then, not Student's."""
+    return bool(values) and metric.unit == "" and set(values) <= {0.0, 1.0}
+
+
 def text(record: Record, name: str) -> str:
     """A name in a record."""
     value = record.get(name)

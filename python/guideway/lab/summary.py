@@ -11,7 +11,7 @@ from typing import Any
 from guideway._core import __version__
 from guideway.view.report import clean
 
-from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, seed_of, spent, value_of
+from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_rate, is_sound, pairs, seed_of, spent, value_of
 from .curves import TARGETS, band, convergence, distribution, expected, profile, reached
 from .experiment import Experiment, Metric
 from .statistics import describe, friedman, growth, holm, mcnemar, paired, success
@@ -124,8 +124,11 @@ def budget_of(experiment: Experiment, method: str) -> Mapping[str, Any]:
 
 
 def measure(metric: Metric, values: Sequence[float]) -> dict[str, Any]:
-    """Statistics of a measure, with best and worst where it says what is better."""
+    """Statistics of a measure, with best and worst where it says what is better; the interval of zeros and ones is Wilson's."""
     found = describe(values).to_dict()
+    if is_rate(metric, values):
+        rate = success(int(sum(values)), len(values))
+        found |= {"rate": True, "low": rate.low, "high": rate.high}
     if metric.better is not None:
         ends = ("least", "most") if metric.better == "lower" else ("most", "least")
         found |= {"best": found[ends[0]], "worst": found[ends[1]]}

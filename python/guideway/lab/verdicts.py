@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .cells import Cell, Grid, pairs
+from .cells import Cell, Grid, is_rate, pairs
 from .experiment import Claim, Metric
 from .statistics import describe, holm, paired, success
 
@@ -130,15 +130,17 @@ def within(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
     tolerance, metric = claim.tolerance or 0.0, grid.metric(claim.metric)
     rows = []
     for cell in chosen(grid, claim, claim.method):
-        found = describe(cell.values(claim.metric)) if cell else None
-        if cell is None or found is None or found.mean is None:
+        values = cell.values(claim.metric) if cell else []
+        found = describe(values)
+        if cell is None or found.mean is None:
             rows.append({"world": cell.world if cell else "", "verdict": OPEN, "mean": None, "low": None, "high": None, "n": 0})
             continue
-        low, high = (found.mean if v is None else v for v in (found.low, found.high))
+        rate = success(int(sum(values)), len(values)) if is_rate(metric, values) else found
+        low, high = (found.mean if v is None else v for v in (rate.low, rate.high))
         inside = abs(found.mean - claim.value) <= tolerance * (1 + 1e-12)
         near = low <= claim.value + tolerance and high >= claim.value - tolerance
         verdict = HOLDS if inside else OPEN if near else FAILS
-        rows.append({"world": cell.world, "verdict": verdict, "mean": found.mean, "low": found.low, "high": found.high, "n": found.n})
+        rows.append({"world": cell.world, "verdict": verdict, "mean": found.mean, "low": rate.low, "high": rate.high, "n": found.n})
     reason = "; ".join(f"{row['world']}: {mean_words(row, metric)}" for row in decisive_rows(rows)[:4])
     bound = f"(asked: {number(claim.value, metric)} ± {number(tolerance, metric)})"
     return worst(rows), f"{reason} {bound}", {"worlds": rows}

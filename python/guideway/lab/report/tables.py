@@ -146,6 +146,8 @@ def entry(known: Mapping[Any, Any], place: tuple[str, str], method: str, metric:
     best = {"lower": min, "higher": max}.get(metric["better"])
     if best and len(set(means)) > 1 and values["mean"] == best(means):
         text = rf"\mathbf{{{text}}}"
+    if values.get("rate"):
+        return f"${text}\\;[{values['low']:.{digits}f}, {values['high']:.{digits}f}]$"
     spread = "" if values["high"] is None or values["high"] == values["mean"] else rf" \pm {values['high'] - values['mean']:.{digits}f}"
     return f"${text}{spread}$"
 

@@ -22,13 +22,13 @@ function summaryOf(view, cell) {
   const rows = [["success", `${cell.success.hits} of ${cell.success.runs} (${(100 * cell.success.low).toFixed(0)}\u2013${(100 * cell.success.high).toFixed(0)} %)`]];
   for (const metric of view.metrics) {
     const stats = cell.measures[metric.name];
-    if (stats) rows.push([headed(metric), finite(stats.high) ? `${digitsOf(metric, stats.mean)} \u00b1 ${digitsOf(metric, stats.high - stats.mean)}` : digitsOf(metric, stats.mean)]);
+    if (stats) rows.push([headed(metric), stats.rate ? `${digitsOf(metric, stats.mean)} [${digitsOf(metric, stats.low)}, ${digitsOf(metric, stats.high)}]` : finite(stats.high) && stats.high > stats.mean ? `${digitsOf(metric, stats.mean)} \u00b1 ${digitsOf(metric, stats.high - stats.mean)}` : digitsOf(metric, stats.mean)]);
   }
   if (finite(cell.optimum)) rows.push(["optimum of its model", show(cell.optimum)]);
   if (cell.ert) rows.push(["evaluations expected to a gap of 1 %", finite(cell.ert.value) ? `${count(cell.ert.value)} (${cell.ert.successes} of ${cell.ert.runs} got there)` : `none of ${cell.ert.runs} got there`]);
   if (cell.convergence) rows.push(["last improvement (median)", `${count(cell.convergence.evaluations)} evaluations${finite(cell.convergence.gap) ? ` at a gap of ${(100 * cell.convergence.gap).toFixed(2)} %` : ""}`]);
   const time = timesOf(cell);
-  if (time) rows.push(["time (median)", seconds(time.median)]);
+  if (time) rows.push(["computing time (median)", seconds(time.median)]);
   if (finite(cell.peak_mib)) rows.push(["memory of the process (peak)", `${cell.peak_mib.toFixed(0)} MiB`]);
   return make("dl", { class: "pairs" }, ...rows.flatMap(([name, value]) => [make("dt", {}, name), make("dd", {}, value)]));
 }
@@ -41,7 +41,7 @@ function runTable(view, cell, runs, light) {
   const names = view.metrics.filter((metric) => runs.values[metric.name]);
   const roles = new Map(runs.paths.map((path) => [path.seed, path.role]));
   const clock = ["cpu", "wall"].find((name) => runs.values[name]);
-  const head = make("tr", {}, make("th", { scope: "col" }, "Seed"), ...names.map((metric) => make("th", { scope: "col", class: "n" }, metricName(metric))), clock ? make("th", { scope: "col", class: "n" }, "time") : null);
+  const head = make("tr", {}, make("th", { scope: "col" }, "Seed"), ...names.map((metric) => make("th", { scope: "col", class: "n" }, metricName(metric))), clock ? make("th", { scope: "col", class: "n" }, "computing time") : null);
   const body = runs.seeds.map((seed, i) => {
     const role = roles.get(seed);
     const mark = role ? make("i", { class: "role", title: role }) : null;

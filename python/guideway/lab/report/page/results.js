@@ -27,6 +27,7 @@ function figures(stats, statistic, metric) {
   const said = metric === TIME ? seconds : (v) => digitsOf(metric, v);
   const main = make("b", {}, said(valueOf(stats, statistic, metric)));
   if (metric === SUCCESS) return [main, make("span", { class: "spread" }, ` ${stats.low.toFixed(0)}\u2013${stats.high.toFixed(0)}`)];
+  if (statistic === "mean" && stats.rate && !stats.worlds) return [main, make("span", { class: "spread" }, ` [${said(stats.low)}, ${said(stats.high)}]`)];
   if (statistic === "mean" && finite(stats.high) && stats.high > stats.mean && metric !== TIME && !stats.worlds) return [main, make("span", { class: "spread" }, ` \u00b1 ${digitsOf(metric, stats.high - stats.mean)}`)];
   if (statistic === "median" && finite(stats.q1) && stats.q3 > stats.q1) return [main, make("span", { class: "spread" }, ` [${said(stats.q1)}, ${said(stats.q3)}]`)];
   return [main];
@@ -39,7 +40,7 @@ function makeResults(host, view) {
   const scroller = make("div", { class: "wide tall-table" });
   const every = [...view.metrics, SUCCESS, TIME];
   const bar = make("div", { class: "tools" },
-    switches("Measure", every.map((m, i) => [i, m === TIME ? "time" : metricName(m)]), 0, (i) => { metric = every[i]; sorted = null; paint(); }),
+    switches("Measure", every.map((m, i) => [i, m === TIME ? "computing time" : metricName(m)]), 0, (i) => { metric = every[i]; sorted = null; paint(); }),
     chooser("Statistic", STATISTICS, statistic, (value) => { statistic = value; paint(); }));
   host.replaceChildren(bar, scroller);
 
@@ -85,7 +86,7 @@ function makeResults(host, view) {
     const head = make("tr", {}, make("th", { scope: "col", class: "corner" }, wide ? "World" : "Method"), ...heads.map((column, i) => make("th", { scope: "col", "aria-sort": sorted === i ? (down ? "descending" : "ascending") : "none" },
       make("button", { type: "button", class: "sort", onclick: () => sort(i) }, column.k === undefined ? null : swatch(column.k), column.all ? "mean of all worlds" : column.name))));
     const body = kept.map((row) => make("tr", {}, make("th", { scope: "row", class: row.name.length > 36 ? "long" : null }, row.k === undefined ? null : swatch(row.k), row.name), ...heads.map((column) => entry(row, column, best))));
-    const caption = make("caption", { class: "hush" }, `${metricName(metric)} of ${view.data.title}`);
+    const caption = make("caption", { class: "hush" }, `${metric === TIME ? "computing time" : metricName(metric)} of ${view.data.title}`);
     const rest = lines.length > kept.length ? make("button", { type: "button", class: "more", onclick: () => { whole = true; paint(); } }, `Show all ${lines.length} rows`) : null;
     scroller.replaceChildren(make("table", { class: "grid" }, caption, make("thead", {}, head), make("tbody", {}, ...body)), ...(rest ? [rest] : []));
   };

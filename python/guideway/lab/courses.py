@@ -107,7 +107,7 @@ class Between:
 @dataclass(frozen=True)
 class Timed:
     """An answer: its ``duration`` (s), the largest ``excess`` over any limit (%) and the ``excesses`` over each, how far it ends from the goal
-    (``miss``, in units of the axes), and ``seconds`` of processor time that the call took."""
+    (``miss``, in units of the axes, as a share of distances above 1), and ``seconds`` of processor time that the call took."""
 
     duration: float
     excess: float
@@ -159,7 +159,8 @@ class Timed:
             over = np.where(values > 0, values / course.limits[name], values / course.limits[f"min_{name}"])
             found[name] = 100 * max(float(over.max()) - 1, 0.0)
         counted = {"acceleration": found["acceleration"]} if course.outside else found
-        return Timed(duration, max(counted.values()), found, seconds, float(np.abs(q[-1] - course.goal).max()))
+        miss = np.abs(q[-1] - course.goal) / np.maximum(np.abs(course.goal - course.start), 1.0)
+        return Timed(duration, max(counted.values()), found, seconds, float(miss.max()))
 
     @staticmethod
     def _checked(course: Along, duration: float, samples: tuple[Floats, Floats, Floats, Floats | None], seconds: float) -> Timed:

@@ -36,6 +36,15 @@ def test_rooms_have_their_robot_and_conditions() -> None:
     assert len(worlds.query(spec, {"condition": "dynamic"}).world.movers) == 4
 
 
+def test_a_world_may_have_a_query_of_its_own() -> None:
+    spec = {"name": "w0", "source": "scene:w0", "query": {"condition": "static", "limits": {"jerk": 2.0}, "footprint": {"disc": 0.2}}}
+    query = worlds.query(spec)
+    assert (len(query.world.movers), query.limits["jerk"], query.limits["speed"], query.footprint) == (0, 2.0, 2.0, {"disc": 0.2})
+    assert worlds.query(spec, {"limits": {"speed": 1.0}}).limits["jerk"] == 2.0
+    with pytest.raises(gw.BadParameter, match=r"world 'w0': query.speed is not known"):
+        worlds.place({**spec, "query": {"speed": 1}})
+
+
 def test_seed_of_the_run_draws_the_world() -> None:
     spec = {"name": "layout", "make": "layout", "seed": "run"}
     one, other = worlds.make(spec, seed=1), worlds.make(spec, seed=2)

@@ -90,14 +90,10 @@ class Place:
             if key not in QUERY_FIELDS:
                 raise BadParameter(f"{where}: {key!r} is not known: one of {', '.join(QUERY_FIELDS)}")
         world = _conditioned(self, given.pop("condition", None), where)
-        options = dict(self.asked) | _points(world, given, where)
+        options = _merged(self.asked, _points(world, given, where), where)
         missing = [end for end in ("start", "goal") if end not in options]
         if missing:
             raise BadParameter(f"{where}: no {missing[0]} is given: the world has none of its own")
-        if isinstance(options.get("limits"), Mapping):
-            own = self.asked.get("limits")
-            base = own.to_dict() if isinstance(own, Limits) else {}
-            options["limits"] = _limits(base | dict(options["limits"]), where)
         start, goal = options.pop("start"), options.pop("goal")
         try:
             return Query(world, start, goal, **options)
@@ -180,8 +176,21 @@ def _made(words: str, folder: str) -> Place:
         asked = _asked(found)
     resolution = spec.get("resolution")
     kept = Place(spec.get("name", ""), found, _world(found), asked, resolution)
-    world = _conditioned(kept, spec.get("condition"), where)
-    return Place(kept.name, found, world, dict(asked) | _points(world, dict(spec.get("query", {})), where), resolution)
+    own = dict(spec.get("query", {}))
+    for key in own:
+        if key not in QUERY_FIELDS:
+            raise BadParameter(f"{where}: query.{key} is not known: one of {', '.join(QUERY_FIELDS)}")
+    world = _conditioned(kept, own.pop("condition", spec.get("condition")), where)
+    return Place(kept.name, found, world, _merged(asked, _points(world, own, where), where), resolution)
+
+
+def _merged(asked: Mapping[str, Any], given: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """Keywords of a query with those that are given instead; limits one by one."""
+    options = dict(asked) | dict(given)
+    if isinstance(options.get("limits"), Mapping):
+        own = asked.get("limits")
+        options["limits"] = _limits((own.to_dict() if isinstance(own, Limits) else {}) | dict(options["limits"]), where)
+    return options
 
 
 def _opened(spec: Mapping[str, Any], folder: str) -> tuple[Any, dict[str, Any]]:

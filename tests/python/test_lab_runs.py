@@ -67,6 +67,7 @@ EXPECTED = {
     "none": "failed",
     "error": "failed",
     "killed": "crashed",
+    "scribble": "crashed",
     "nan": "invalid",
     "infinite": "invalid",
     "colliding": "invalid",
@@ -156,6 +157,12 @@ def test_a_method_that_misbehaves_costs_one_record(tmp_path):
         assert record["status"] == (EXPECTED[record["method"]] if bad else "ok"), record
         assert (record["error"] is not None) == bad
         assert not bad or record["error"]["message"]
+
+
+def test_a_method_that_becomes_two_processes_does_not_add_records(tmp_path):
+    trial = lab.read(experiment(tmp_path, MISCHIEF.replace("HOW", '["fork"]').replace("seeds = 3", "seeds = 40")))
+    assert lab.run(trial, tmp_path, workers=2) == {"ok": 40}
+    assert [record["seed"] for record in records(tmp_path, "mischief")] == list(range(40))
 
 
 def test_workers_end_with_a_coordinator_that_is_killed(tmp_path):

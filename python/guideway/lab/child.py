@@ -18,7 +18,7 @@ from typing import Any
 from guideway.errors import GuidewayError
 from guideway.lab.execute import blank
 from guideway.lab.experiment import Run
-from guideway.lab.journal import Record
+from guideway.lab.journal import Record, key_of
 
 START = 120.0
 """A worker that is not there after so long is given up, s."""
@@ -64,7 +64,8 @@ class Child:
             start_new_session=True,  # Ctrl-C is for its owner, and its own children end with it
         )
         theirs.close()
-        self.connection.send((sys.path, kind))
+        with contextlib.suppress(OSError):  # it has died at once: failed() tells
+            self.connection.send((sys.path, kind))
 
     def put(self, item: Item) -> None:
         """One more run to do."""
@@ -93,15 +94,29 @@ class Child:
                 if not self.ready:
                     self.ready = True
                 else:
-                    found.append(json.loads(data))
-                    self._leaving = found[-1]["status"] in LEAVES
-                    self.waiting.popleft()
+                    found += self._accepted(data)
                     self.last = now - self.since
                 self.since = now
         except (OSError, EOFError):
             if not found:
                 raise EOFError from None
         return found
+
+    def _accepted(self, data: bytes) -> list[Record]:
+        """The record of the run at work. Raises ``EOFError`` for anything else, after which the process is not to be trusted."""
+        try:
+            record: Record = json.loads(data)
+            key = key_of(record)
+        except (ValueError, TypeError, KeyError):  # the method wrote to what is not its own
+            self.kill()
+            raise EOFError from None
+        if not self.waiting or self.waiting[0][0].key != key:  # it has become two processes
+            self._leaving = True
+            self.kill()
+            raise EOFError
+        self._leaving = record["status"] in LEAVES
+        self.waiting.popleft()
+        return [record]
 
     def overdue(self) -> bool:
         """Has the run at work had its time?"""

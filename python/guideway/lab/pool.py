@@ -37,7 +37,7 @@ class Todo:
         world = self._taken.get(worker, "")
         if world not in self._worlds:
             free = (name for name in self._worlds if name not in self._taken.values())
-            world = next(free, max(self._worlds, key=lambda name: len(self._worlds[name])))
+            world = next(free, None) or max(self._worlds, key=lambda name: len(self._worlds[name]))
             self._taken[worker] = world
         item = self._worlds[world].popleft()
         if not self._worlds[world]:

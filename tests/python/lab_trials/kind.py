@@ -1,5 +1,6 @@
 """A kind of experiment for tests of the lab: small searches of the core, and methods that misbehave at seed 1."""
 
+import contextlib
 import ctypes
 import os
 import time
@@ -29,6 +30,12 @@ def forever():
         found.append(bytes(100_000))
 
 
+def scribble():
+    for descriptor in range(3, 100):
+        with contextlib.suppress(OSError):
+            os.write(descriptor, b"\0\0\0\4none")
+
+
 def leave():
     raise SystemExit(3)
 
@@ -49,6 +56,8 @@ MISCHIEF = {
     "many": forever,
     "none": nothing,
     "error": lambda: [][object()],
+    "scribble": scribble,
+    "fork": os.fork,
     "killed": lambda: os.kill(os.getpid(), 9),
 }
 """What methods do instead of work."""

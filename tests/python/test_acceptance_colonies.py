@@ -1,18 +1,14 @@
 """What colonies and swarms promise: hits on the packaged scenes, no gap on random ones, proper results or errors at the edges."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import guideway as gw
 from guideway.cli import main
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "experiments" / "colonies"))
-import runs
-import tables
+from guideway.lab import Run, measuring
+from guideway.lab.kinds import plan
 
 NAMES = ["aco", "mmas", "improved-aco", "bidirectional-aco", "pso-aco", "pso", "grouped-pso", "ga", "sparrow"]
 COLONIES = NAMES[:5]
@@ -30,7 +26,8 @@ def found(query, planner, seed=0, **options):
     """The steps of a lattice path, after the independent checker has passed it."""
     solution = gw.plan(query, planner=planner, seed=seed, **options)
     assert gw.certify(solution.path, query)["ok"]
-    return runs.steps_of(solution.cells)
+    steps = measuring.lattice(solution.cells, 1.0) or {"diagonals": 0, "straights": 0, "turns": 0}
+    return steps["diagonals"], steps["straights"], steps["turns"]
 
 
 @pytest.mark.parametrize("seeds", SEEDS)
@@ -62,34 +59,19 @@ def test_improved_colony_reaches_the_lattice_optimum(name, seeds):
 
 @pytest.mark.parametrize("kind", ["pso-aco-1", "pso-aco-2"])
 @pytest.mark.parametrize("planner", ["pso-aco", "improved-aco"])
-def test_no_gap_on_random_scenes_without_seeding(planner, kind, tmp_path):
-    scene = ("calibrated", kind, 1)
-    rows = [runs.run(scene, runs.Method(planner, planner, OFF), seed, str(tmp_path)) for seed in range(5)]
-    assert all(row["ok"] for row in rows)
-    assert sum(row["gap"] == 0 for row in rows) >= 4
-    assert max(row["gap"] for row in rows) <= 0.02
+def test_no_gap_on_random_scenes_without_seeding(planner, kind):
+    world = {"name": kind, "make": "calibrated", "scene_class": kind, "seed": 1}
+    method = {"name": planner, "planner": planner, "set": OFF}
+    rows = [plan.run(Run("test", "plan", ".", world, {"name": ""}, method, seed, {}, {})) for seed in range(5)]
+    assert all(row.certified for row in rows)
+    assert sum(bool(row.measures["hit"]) for row in rows) >= 4
+    assert max(row.measures["gap"] or 0.0 for row in rows) <= 2.0
 
 
-def test_records_of_a_stopped_experiment_are_kept(tmp_path):
-    parts = [(("scene", "m20"), runs.Method("one", "pso", {"iterations": 1}), range(3))]
-    first = runs.everything("try", parts, tmp_path, 1)
-    path = tmp_path / "try.jsonl"
-    lines = path.read_text().splitlines()
-    path.write_text("\n".join(lines[:2]) + "\n" + lines[2][:20])  # killed while it wrote
-    again = runs.everything("try", parts, tmp_path, 1)
-    assert [row | {"ms": 0} for row in first] == [row | {"ms": 0} for row in again]
-    assert again[:2] == first[:2]
-
-
-def test_statistics_of_known_samples():
-    assert tables.a12([1, 2], [3, 4]) == 1
-    assert tables.a12([3, 4], [1, 2]) == 0
-    assert tables.a12([1, 1], [1, 1]) == 0.5
-    assert tables.holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
-    low, high = tables.wilson(30, 30)
-    assert (low, high) == pytest.approx((0.8865, 1), abs=1e-4)
-    assert tables.signed_rank([1, 2, 3], [1, 2, 3]) == 1
-    assert runs.last_improvement(np.array([[0, 9.0], [3, 5.0], [7, 4.0]])) == 7
+def test_the_last_improvement():
+    told, curve = measuring.searched(np.array([[0, 9.0], [3, 5.0], [7, 4.0], [9, 4.0 - 1e-7]]), 9, 500, 4.0)
+    assert (told["last"], told["last_evaluation"], told["near"]) == (7, 400, 400)
+    assert curve == [[50, 9.0], [200, 5.0], [400, 4.0], [500, 4.0 - 1e-7]]
 
 
 @pytest.mark.parametrize("planner", NAMES)

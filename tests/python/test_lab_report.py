@@ -410,3 +410,13 @@ def test_yes_and_no_have_the_interval_of_a_rate(tmp_path: Path) -> None:
     z = 1.959963984540054
     middle, half = (2 / 3 + z * z / 12) / (1 + z * z / 6), z * math.sqrt(2 / 9 / 6 + z * z / 144) / (1 + z * z / 6)
     assert (found["low"], found["high"]) == (pytest.approx(middle - half), pytest.approx(middle + half))
+
+
+def test_ranks_leave_out_what_has_no_value_and_put_failures_last(tmp_path: Path) -> None:
+    rows = [record("one", "good", seed, 10.0 + seed) for seed in range(6)] + [failed("one", "poor", seed) for seed in range(6)]
+    rows += [record("one", "third", seed, 5.0 if seed else 0, measures={"length": 5.0 + seed} if seed else {}) for seed in range(6)]
+    rows += [record("one", "mute", seed, 0, measures={"turns": 1}) for seed in range(6)]
+    one = summaries(put(tmp_path / "runs", spec(["one"], ["good", "poor", "third", "mute"]), rows))
+    found = next(row for row in one["ranks"] if row["metric"] == "length")
+    assert (found["methods"], found["blocks"], found["ranks"]) == (["good", "poor", "third"], 5, [2, 3, 1])
+    assert {(row["world"], row["query"]) for row in one["comparisons"]} == {(None, None)}

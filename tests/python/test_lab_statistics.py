@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 pytest.importorskip("scipy")
@@ -44,6 +44,7 @@ def test_wilson_by_hand_and_without_runs() -> None:
         statistics.success(3, 2)
 
 
+@settings(deadline=None, max_examples=40)
 @given(VALUES)
 def test_means_and_quartiles(values: list[float]) -> None:
     from scipy import stats
@@ -84,6 +85,18 @@ def test_signed_ranks_are_those_of_scipy() -> None:
     assert (found.pairs, found.ties, found.wins + found.losses) == (30, 0, 30)
 
 
+@settings(deadline=None, max_examples=40)
+@given(st.lists(st.integers(-4, 4), min_size=1, max_size=7))
+def test_signed_ranks_with_ties_go_through_all_signs(gaps: list[int]) -> None:
+    from scipy.stats import wilcoxon
+
+    statistic, p = statistics.signed_rank(gaps)
+    if any(gaps):
+        assert (statistic, p) == (near(wilcoxon([float(v) for v in gaps]).statistic), near(wilcoxon([float(v) for v in gaps]).pvalue))
+    else:
+        assert (statistic, p) == (None, 1.0)
+
+
 def test_signed_ranks_by_hand() -> None:
     found = statistics.paired([1, 1, 1, 1, 1, 1], [2, 3, 4, 5, 6, 7])
     assert (found.p, found.statistic, found.wins, found.a12, found.difference) == (near(2 / 2**6), 0, 6, 1.0, -3.5)
@@ -113,12 +126,14 @@ def test_a12_by_hand() -> None:
     assert statistics.a12([2], [1]) == 1.0
 
 
+@settings(deadline=None, max_examples=40)
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=15), st.lists(st.integers(0, 9), min_size=1, max_size=15))
 def test_a12_counts_pairs(one: list[int], other: list[int]) -> None:
     wins = sum((a > b) + 0.5 * (a == b) for a in one for b in other)
     assert statistics.a12(one, other) == near(wins / len(one) / len(other))
 
 
+@settings(deadline=None, max_examples=40)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=20))
 def test_holm_is_that_of_statsmodels(ps: list[float]) -> None:
     from statsmodels.stats.multitest import multipletests
@@ -215,6 +230,7 @@ def test_auc_by_hand() -> None:
     assert (found.low, found.high) == (near(8 / 9 - half), 1.0)
 
 
+@settings(deadline=None, max_examples=40)
 @given(st.lists(st.tuples(st.integers(0, 5), st.booleans()), min_size=2, max_size=30))
 def test_auc_is_the_area_under_the_curve(rows: list[tuple[int, bool]]) -> None:
     scores, labels = zip(*rows, strict=True)

@@ -175,9 +175,10 @@ def comparisons(table: Grid) -> list[dict[str, Any]]:
     for metric in table.compared:
         if 1 < len(table.instances) <= MOST_INSTANCES:
             for instance in table.instances:
-                rows += family(table, metric, [instance], against_first(table.methods))
+                place = {"world": instance[0], "query": instance[1]}
+                rows += [place | row for row in family(table, metric, [instance], against_first(table.methods))]
         every = against_first(table.methods) if len(table.methods) > MOST_METHODS else list(combinations(table.methods, 2))
-        rows += family(table, metric, table.instances, every)
+        rows += [{"world": None, "query": None} | row for row in family(table, metric, table.instances, every)]
     return rows
 
 
@@ -187,7 +188,7 @@ def against_first(methods: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def family(table: Grid, metric: Metric, instances: Sequence[Instance], couples: Sequence[tuple[str, str]]) -> list[dict[str, Any]]:
-    """Comparisons that are corrected together. ``world`` and ``query`` are None over all."""
+    """Comparisons that are corrected together."""
     rows = []
     for one, other in couples:
         mine, theirs = ([table.cell(instance, method) for instance in instances] for method in (one, other))
@@ -195,8 +196,7 @@ def family(table: Grid, metric: Metric, instances: Sequence[Instance], couples: 
         found = paired([a for a, _ in both], [b for _, b in both], metric.better == "lower")
         alike = not any(table.unlike(a, b, metric.name) for a, b in zip(mine, theirs, strict=True))
         rows.append({"metric": metric.name, "method": one, "other": other, "same_model": alike, **found.to_dict()})
-    place = {"world": instances[0][0], "query": instances[0][1]} if len(instances) == 1 else {"world": None, "query": None}
-    return [place | row | {"p_holm": p} for row, p in zip(rows, holm([row["p"] for row in rows]), strict=True)]
+    return [row | {"p_holm": p} for row, p in zip(rows, holm([row["p"] for row in rows]), strict=True)]
 
 
 def paired_success(table: Grid) -> list[dict[str, Any]]:
@@ -216,19 +216,37 @@ def paired_success(table: Grid) -> list[dict[str, Any]]:
 
 
 def ranks(table: Grid, metric: Metric) -> dict[str, Any] | None:
-    """Friedman and Nemenyi over instances (medians over seeds), or over seeds where there are few instances."""
-    if len(table.methods) < 2:
+    """Friedman and Nemenyi over instances (medians over seeds), or over seeds where there are few instances.
+
+    A failure ranks last. A block in which some method succeeded without having the measure is left out, and so is a method that never has it.
+    """
+    methods = [method for method in table.methods if not silent(table, method, metric.name)]
+    if len(methods) < 2:
         return None
     many = len(table.instances) >= LEAST_BLOCKS
-    columns: dict[str, list[float | None]] = {method: [] for method in table.methods}
+    blocks: list[list[float | None]] = []
     for instance in table.instances:
-        cells = {method: table.cell(instance, method) for method in table.methods}
-        seeds = sorted({seed_of(record) for cell in cells.values() if cell for record in cell.records})
-        for method, cell in cells.items():
-            known = cell.by_seed(metric.name) if cell else {}
-            columns[method] += [describe(list(known.values())).median] if many else [known.get(seed) for seed in seeds]
-    found = friedman(columns, metric.better == "lower")
+        cells = [table.cell(instance, method) for method in methods]
+        seeds = sorted({seed_of(record) for cell in cells if cell for record in cell.records})
+        known = [cell.by_seed(metric.name) if cell else {} for cell in cells]
+        solved = [{seed_of(record) for record in cell.sound} if cell else set[int]() for cell in cells]
+        if many:
+            blocks += (
+                [[describe(list(row.values())).median for row in known]]
+                if all(row or not done for row, done in zip(known, solved, strict=True))
+                else []
+            )
+        else:
+            fair = [seed for seed in seeds if all(seed in row or seed not in done for row, done in zip(known, solved, strict=True))]
+            blocks += [[row.get(seed) for row in known] for seed in fair]
+    found = friedman({method: [block[i] for block in blocks] for i, method in enumerate(methods)}, metric.better == "lower")
     return {"metric": metric.name, "blocks_are": "worlds and queries" if many else "seeds on each world and query", **found.to_dict()}
+
+
+def silent(table: Grid, method: str, metric: str) -> bool:
+    """Whether a method succeeds without ever having a measure."""
+    cells = [cell for instance in table.instances if (cell := table.cell(instance, method))]
+    return any(cell.sound for cell in cells) and not any(cell.by_seed(metric) for cell in cells)
 
 
 def bands(table: Grid) -> list[dict[str, Any]]:

@@ -164,7 +164,7 @@ function comparisonsOf(view) {
 function successTable(rows) {
   if (!rows.length) return [];
   const head = ["Success", "Pairs", "Only the first", "Only the other", "p (McNemar, Holm)"].map((text, i) => make("th", { scope: "col", class: i ? "n" : "" }, text));
-  const body = rows.map((row) => make("tr", {}, make("td", { class: "pair" }, make("b", {}, row.method), " and ", row.other), ...[row.pairs, row.only_method, row.only_other].map((v) => make("td", { class: "n" }, count(v))), make("td", { class: "n" }, pValue(row.p_holm))));
+  const body = rows.map((row) => make("tr", {}, make("td", { class: "duo" }, make("b", {}, row.method), " and ", row.other), ...[row.pairs, row.only_method, row.only_other].map((v) => make("td", { class: "n" }, count(v))), make("td", { class: "n" }, pValue(row.p_holm))));
   return [make("div", { class: "wide" }, make("table", { class: "facts-table" }, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...body)))];
 }
 

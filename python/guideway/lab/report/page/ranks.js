@@ -75,7 +75,7 @@ function comparisonTable(rows) {
     const sure = finite(row.p_holm) && row.p_holm < 0.05;
     const better = sure ? (row.wins > row.losses ? "good" : "bad") : "";
     const cells = [row.pairs, row.wins, row.ties, row.losses].map((v) => make("td", { class: "n" }, count(v)));
-    const pair = make("td", { class: "pair" }, make("b", {}, row.method), " and ", row.other, row.same_model ? null : make("span", { class: "tag warn", title: "Their models differ (such as lattice and any angle), and so do the optima" }, "other model"));
+    const pair = make("td", { class: "duo" }, make("b", {}, row.method), " and ", row.other, row.same_model ? null : make("span", { class: "tag warn", title: "Their models differ (such as lattice and any angle), and so do the optima" }, "other model"));
     return make("tr", { class: better }, pair, ...cells, make("td", { class: "n" }, finite(row.difference) ? show(row.difference) : "\u2013"), make("td", { class: "n p" }, pValue(row.p_holm)), make("td", { class: "effect" }, effect(row.a12)));
   });
   return make("div", { class: "wide" }, make("table", { class: "facts-table" }, make("thead", {}, make("tr", {}, ...head.map((text, i) => make("th", { class: i ? "n" : "", scope: "col" }, text)))), make("tbody", {}, ...body)));

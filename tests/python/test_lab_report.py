@@ -404,7 +404,7 @@ def test_a_method_that_could_not_be_run_is_not_judged(tmp_path: Path) -> None:
 
 
 def test_yes_and_no_have_the_interval_of_a_rate(tmp_path: Path) -> None:
-    rows = [record("one", "good", seed, 10.0, measures={"turns": float(seed > 1)}) for seed in range(6)]
+    rows = [record("one", "good", seed, 10.0, measures={"turns": seed > 1}) for seed in range(6)]
     found = summaries(put(tmp_path / "runs", spec(["one"], ["good"]), rows))["cells"][0]["measures"]["turns"]
     assert (found["mean"], found["rate"]) == (pytest.approx(2 / 3), True)
     z = 1.959963984540054
@@ -420,3 +420,9 @@ def test_ranks_leave_out_what_has_no_value_and_put_failures_last(tmp_path: Path)
     found = next(row for row in one["ranks"] if row["metric"] == "length")
     assert (found["methods"], found["blocks"], found["ranks"]) == (["good", "poor", "third"], 5, [2, 3, 1])
     assert {(row["world"], row["query"]) for row in one["comparisons"]} == {(None, None)}
+
+
+def test_success_is_what_the_kind_says_it_is(tmp_path: Path) -> None:
+    rows = [record("one", "good", seed, 10.0, measures={"length": 10.0, "success": seed > 0}) for seed in range(4)] + [failed("one", "good", 4)]
+    cell = summaries(put(tmp_path / "runs", spec(["one"], ["good"]), rows))["cells"][0]
+    assert (cell["success"]["hits"], cell["success"]["runs"], cell["failed"], cell["measures"]["length"]["n"]) == (3, 5, 1, 4)

@@ -47,7 +47,7 @@ class Cell:
         """Seed -> value of a measure, of the sound runs that have one."""
         if metric not in self._known:
             sound = self.sound
-            rows = [(r, float(is_sound(r))) for r in self.records] if metric == "success" else [(r, value_of(r, metric)) for r in sound]
+            rows = [(r, succeeded(r)) for r in self.records] if metric == "success" else [(r, value_of(r, metric)) for r in sound]
             self._known[metric] = {seed_of(record): value for record, value in rows if value is not None}
         return self._known[metric]
 
@@ -90,6 +90,18 @@ class Grid:
         first = [metric.name for metric in self.experiment.metrics]
         timed = {name for cell in self.cells.values() for record in cell.records for name in numbers(record.get("times"))}
         return [*dict.fromkeys([*(name for name in first if name in seen | timed), *sorted(seen)])]
+
+    @cached_property
+    def rates(self) -> set[str]:
+        """Measures that say yes or no: their intervals are Wilson's, not Student's."""
+        kinds: dict[str, set[type]] = {}
+        for cell in self.cells.values():
+            for record in cell.records:
+                measures = record.get("measures")
+                for name, value in measures.items() if isinstance(measures, Mapping) else ():
+                    if value is not None:
+                        kinds.setdefault(name, set()).add(type(value))
+        return {"success"} | {name for name, found in kinds.items() if found == {bool}}
 
     def metric(self, name: str) -> Metric:
         """What is known of a measure: from the experiment, else from its kind, else nothing."""
@@ -168,11 +180,6 @@ def known_metrics(kind: str) -> Mapping[str, Metric]:
         return {}
 
 
-def is_rate(metric: Metric, values: Sequence[float]) -> bool:
-    """Whether a measure says yes or no: its interval is Wilson's then, not Student's."""
-    return bool(values) and metric.unit == "" and set(values) <= {0.0, 1.0}
-
-
 def text(record: Record, name: str) -> str:
     """A name in a record."""
     value = record.get(name)
@@ -188,6 +195,12 @@ def seed_of(record: Record) -> int:
 def is_sound(record: Record) -> bool:
     """Whether a run succeeded and the checker did not refuse its result."""
     return record.get("status") == "ok" and record.get("certified") is not False
+
+
+def succeeded(record: Record) -> float:
+    """1 where a run is sound and, if its kind says what success is, had it; else 0."""
+    said = value_of(record, "success")
+    return float(is_sound(record) and said != 0)
 
 
 def numbers(values: Any) -> dict[str, float]:

@@ -11,7 +11,7 @@ from typing import Any
 from guideway._core import __version__
 from guideway.view.report import clean
 
-from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_rate, is_sound, pairs, seed_of, spent, value_of
+from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, seed_of, spent, value_of
 from .curves import TARGETS, band, convergence, distribution, expected, profile, reached
 from .experiment import Experiment, Metric
 from .statistics import describe, friedman, growth, holm, mcnemar, paired, success
@@ -106,8 +106,9 @@ def cell_summary(table: Grid, cell: Cell) -> dict[str, Any]:
         "method": cell.method,
         "n": runs,
         "status": dict(Counter(str(record.get("status")) for record in cell.records)),
-        "success": success(len(cell.sound), runs).to_dict(),
-        "measures": {name: measure(table.metric(name), cell.values(name)) for name in table.measured if cell.values(name)},
+        "failed": runs - len(cell.sound),
+        "success": success(int(sum(cell.values("success"))), runs).to_dict(),
+        "measures": {name: measure(table.metric(name), cell.values(name), name in table.rates) for name in table.measured if cell.values(name)},
         "times": {name: describe(cell.values(name)).to_dict() for name in timed(cell)},
         "peak_mib": max((float(m) for r in cell.records if isinstance(m := r.get("peak_mib"), int | float)), default=None),
         "ert": None if found is None else {"gap": TARGET, "optimum": optimum, **found.to_dict()},
@@ -123,12 +124,12 @@ def budget_of(experiment: Experiment, method: str) -> Mapping[str, Any]:
     return {**experiment.budget, **own}
 
 
-def measure(metric: Metric, values: Sequence[float]) -> dict[str, Any]:
-    """Statistics of a measure, with best and worst where it says what is better; the interval of zeros and ones is Wilson's."""
+def measure(metric: Metric, values: Sequence[float], rate: bool = False) -> dict[str, Any]:
+    """Statistics of a measure, with best and worst where it says what is better; of a ``rate`` (yes or no) the interval is Wilson's."""
     found = describe(values).to_dict()
-    if is_rate(metric, values):
-        rate = success(int(sum(values)), len(values))
-        found |= {"rate": True, "low": rate.low, "high": rate.high}
+    if rate and values:
+        wilson = success(int(sum(values)), len(values))
+        found |= {"rate": True, "low": wilson.low, "high": wilson.high}
     if metric.better is not None:
         ends = ("least", "most") if metric.better == "lower" else ("most", "least")
         found |= {"best": found[ends[0]], "worst": found[ends[1]]}
@@ -161,7 +162,8 @@ def overall(table: Grid, method: str) -> dict[str, Any]:
         "method": method,
         "instances": len(cells),
         "n": sum(len(cell.records) for cell in cells),
-        "success": success(sum(len(cell.sound) for cell in cells), sum(len(cell.records) for cell in cells)).to_dict(),
+        "failed": sum(len(cell.records) - len(cell.sound) for cell in cells),
+        "success": success(int(sum(sum(cell.values("success")) for cell in cells)), sum(len(cell.records) for cell in cells)).to_dict(),
         "measures": {name: measure(table.metric(name), values) for name, values in means.items() if values},
         "times": {
             name: describe([v for cell in cells for v in cell.values(name)]).to_dict() for name in sorted({n for c in cells for n in timed(c)})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .cells import Cell, Grid, is_rate, pairs
+from .cells import Cell, Grid, pairs
 from .experiment import Claim, Metric
 from .statistics import describe, holm, paired, success
 
@@ -135,7 +135,7 @@ def within(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
         if cell is None or found.mean is None:
             rows.append({"world": cell.world if cell else "", "verdict": OPEN, "mean": None, "low": None, "high": None, "n": 0})
             continue
-        rate = success(int(sum(values)), len(values)) if is_rate(metric, values) else found
+        rate = success(int(sum(values)), len(values)) if values and claim.metric in grid.rates else found
         low, high = (found.mean if v is None else v for v in (rate.low, rate.high))
         inside = abs(found.mean - claim.value) <= tolerance * (1 + 1e-12)
         near = low <= claim.value + tolerance and high >= claim.value - tolerance

@@ -5,7 +5,7 @@ function viewOf(data, worlds) {
   const methods = [...new Set(data.cells.map((cell) => cell.method))];
   const places = [...new Set(data.cells.map((cell) => placeName(cell.world, cell.query)))];
   const index = new Map(data.cells.map((cell, i) => [`${placeName(cell.world, cell.query)}\u0000${cell.method}`, i]));
-  const metrics = data.metrics.filter((metric) => metric.first);
+  const metrics = data.metrics.filter((metric) => metric.first && metric.name !== "success");
   const gap = data.metrics.find((metric) => metric.name === "gap");
   return {
     data, worlds, methods, places, index, hidden: new Set(), lit: null,

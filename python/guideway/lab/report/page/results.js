@@ -115,8 +115,8 @@ function makeResults(host, view) {
   /** What stands below a number: failures, gap, the figure in print. */
   const notes = (cell, place, method) => {
     const out = [];
-    const failed = cell.success.runs - cell.success.hits;
-    if (failed > 0 && metric !== SUCCESS) out.push(make("span", { class: `tag ${cell.success.hits ? "warn" : "bad"}` }, `${failed} of ${cell.success.runs} failed`));
+    const { failed, n } = cell;
+    if (failed > 0) out.push(make("span", { class: `tag ${failed < n ? "warn" : "bad"}` }, `${failed} of ${n} failed`));
     if (metric.name === view.data.reference && metric !== SUCCESS && cell.measures.gap && place !== null) out.push(make("span", { class: "under" }, `gap ${gapText(view, cell.measures.gap.mean)}`));
     for (const print of place === null ? [] : view.printed(place, method, metric.name)) out.push(make("span", { class: "under print", title: `${print.table}: ${print.statistic}` }, `printed ${digitsOf(metric, print.value)}${print.statistic === "mean" ? "" : ` (${print.statistic})`}`));
     return out;

@@ -117,6 +117,9 @@ def safety_stop(t: Floats, tau: Floats, torque: Floats, stop: tuple[float, float
     return len(t)
 
 
+SPARE = 1.5
+"""Where the description states no torques, motors have so many times the limit."""
+
 PLANTS = {
     "ideal": "follows its reference exactly; torques are those of the true arm along it (the default)",
     "mujoco": "an arm in the MuJoCo simulator with a tracking controller that knows the nominal arm only",
@@ -148,7 +151,7 @@ def make_arm(
     from guideway.plants.arm_mujoco import MujocoArm
 
     given = task.arm.effort
-    rated = np.array([max(limit, own or 0.0) for limit, own in zip(task.torque, given, strict=True)])
+    rated = np.array([max(limit, own or SPARE * limit) for limit, own in zip(task.torque, given, strict=True)])
     return MujocoArm(arm, task.arm, rubs, sensors, task.torque, rated, seed)
 
 

@@ -21,11 +21,11 @@ MOST_FIGURES = 40
 """Figures in print that the page shows per experiment; the report has all."""
 MOST_METHODS = 24
 MOST_METRICS = 4
-INTRO = """Made from the records of the experiments by `{command}`; nothing on it is written by hand. Each experiment names its command; `guideway
-lab report` turns its records into a report with all tables, intervals, curves and paths. Every path went through the independent checker: what it
-refused is a failure and in no mean. Comparisons: Wilcoxon's signed ranks on the same world, query and seed after Holm, with A12 of Vargha and
-Delaney; rates with Wilson's, means with Student's 95 % intervals. A claim *cannot be judged* where its source leaves out what it would take, or
-where runs are too few.
+INTRO = """Made from the records of the experiments by `{command}`; nothing on it is written by hand. Each experiment names its command;
+`guideway lab report` turns its records into a report with all tables, intervals, curves and paths. Every path went through the independent
+checker: what it refused is a failure and in no mean. Comparisons: Wilcoxon's signed ranks on the same world, query and seed after Holm, with A12
+of Vargha and Delaney; rates with Wilson's, means with Student's 95 % intervals. A claim *cannot be judged* where its source leaves out what it
+would take, or where runs are too few.
 """
 
 
@@ -83,11 +83,18 @@ def claim_row(one: Mapping[str, Any], claim: Mapping[str, Any]) -> list[str]:
 def experiment(one: Mapping[str, Any]) -> str:
     """An experiment: its command, its methods over all worlds, the figures in print beside ours."""
     runs = one["runs"]["recorded"]
-    counts = f"{runs} runs, {one['seeds']} seeds, {number_of(one, 'world')} worlds and queries, {number_of(one, 'method')} methods"
+    counts = ", ".join(
+        (many(runs, "run"), many(one["seeds"], "seed"), many(number_of(one, "world"), "world"), many(number_of(one, "method"), "method"))
+    )
     parts = [f"### {plain(one['title'])}\n", f"`{one['command']}`{where(one)}. {counts}.\n", methods(one)]
     if one["published"]:
         parts.append(printed(one))
     return "\n".join(parts)
+
+
+def many(count: int, word: str) -> str:
+    """A number of things."""
+    return f"{count} {word}" if count == 1 else f"{count} {word}s"
 
 
 def where(one: Mapping[str, Any]) -> str:

@@ -304,10 +304,11 @@ def duration(record: Record) -> float | None:
 
 
 def profiles(table: Grid) -> dict[str, Any] | None:
-    """Performance profile of the first measure of which less is better, over all worlds, queries and seeds; None unless all its values are
-    positive.
+    """Performance profile of the reference measure, else of the first of which less is better, over all worlds, queries and seeds; None unless all
+    its values are positive.
     """
-    metric = next((metric for metric in table.compared if metric.better == "lower" and metric.name != "gap"), None)
+    known = [metric for metric in table.compared if metric.better == "lower" and metric.name != "gap" and metric.name not in table.rates]
+    metric = next((metric for metric in known if metric.name == table.experiment.reference), next(iter(known), None))
     if metric is None or len(table.methods) < 2:
         return None
     columns: dict[str, list[float | None]] = {method: [] for method in table.methods}

@@ -122,7 +122,8 @@ function makeCharts(host, view) {
   if (withCurves.length) figure_("Convergence", "Best value so far: median of the certified runs, quartiles tinted.", (area, place) => convergenceChart(area, view, place), withCurves);
   if (list(curves.ecdf_evaluations.methods).length) figure_("Targets reached over evaluations", `Share of runs and ${curves.ecdf_evaluations.targets.length} targets (gaps of 50 % to 0.0001 % to the ${curves.ecdf_evaluations.reference === "exact" ? "exact optimum" : "best value found"}).`, (area) => ecdfChart(area, view, "evaluations"));
   if (list(curves.ecdf_time).length) figure_("Solved over time", "Share of runs with a certified result; processor time, of one machine.", (area) => ecdfChart(area, view, "time"));
-  const boxes = view.metrics.flatMap((metric) => view.places.slice(0, 200).map((place) => [`${metric.name}\u0000${place}`, view.places.length > 1 ? `${metricName(metric)} \u00b7 ${place}` : metricName(metric)]));
+  const spread = view.metrics.filter((metric) => !view.data.cells.some((cell) => cell.measures[metric.name] && cell.measures[metric.name].rate));
+  const boxes = spread.flatMap((metric) => view.places.slice(0, 200).map((place) => [`${metric.name}\u0000${place}`, view.places.length > 1 ? `${metricName(metric)} \u00b7 ${place}` : metricName(metric)]));
   if (boxes.length) figure_("Spread over the seeds", "Box: quartiles and median; whiskers: extremes; dots: runs.", (area, key) => boxChart(area, view, view.metrics.find((m) => m.name === key.split("\u0000")[0]), key.split("\u0000")[1]), Object.assign(boxes, { label: "Measure" }));
   if (ranks.length) figure_("Ranks", null, (area, key) => {
     const data = ranks.find((one) => one.metric === key);

@@ -66,6 +66,7 @@ $(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/p
 	$(BIN)/python -m pip install --quiet -c constraints.txt .
 	@touch $@
 
+# About 240 MB of these are for the lab: statistics, Dask, Optuna.
 $(VENV)/.tested: $(VENV)/.installed
 	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,figures,lab,mujoco,test,tune]'
 	@touch $@

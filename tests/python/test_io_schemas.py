@@ -80,7 +80,26 @@ ARM: dict[str, Any] = {
     "report": {},
 }
 SUMMARY: dict[str, Any] = {"schema": 1, "guideway": "0.1.0", "experiments": []}
-GOOD = {"summary": SUMMARY, "arm": ARM, "plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
+RECORD: dict[str, Any] = {
+    "schema": 1,
+    "experiment": "e",
+    "digest": "0",
+    "world": "w",
+    "query": "",
+    "method": "m",
+    "seed": 0,
+    "status": "failed",
+    "error": {"type": "NoPath", "message": "there is none"},
+    "measures": {"length": 1.5, "hit": True, "gap": None},
+    "curve": [[1, 2.0]],
+    "path": None,
+    "certified": None,
+    "times": {"wall": 0.1},
+    "peak_mib": None,
+    "version": "0.1.0",
+    "machine": "a computer",
+}
+GOOD = {"record": RECORD, "summary": SUMMARY, "arm": ARM, "plan": PLAN, "run": RUN, "row": ROW, "scene": SCENE}
 
 
 def accepts(name: str, value: object) -> bool:
@@ -116,6 +135,9 @@ def test_schema_is_valid_and_every_required_field_counts(name: str) -> None:
         ("run", ["replans"], 0.5),
         ("scene", ["disc", 0, "radius"], "wide"),
         ("scene", ["mover", 0, "loop"], "zigzag"),
+        ("record", ["status"], "lost"),
+        ("record", ["error"], {"type": "NoPath"}),
+        ("record", ["times", "wall"], None),
         ("row", ["error"], "NoPath"),
         ("row", ["start_cell"], [0.5, 1]),
     ],
@@ -130,5 +152,5 @@ def test_wrong_values_are_refused(name: str, path: list[Any], value: object) -> 
 
 
 def test_names() -> None:
-    with pytest.raises(KeyError, match="plan, row, run"):
+    with pytest.raises(KeyError, match="plan, record, row, run"):
         schemas.load("../plan")

@@ -150,6 +150,9 @@ def test_the_number_of_workers_changes_nothing(tmp_path):
 def test_a_method_that_misbehaves_costs_one_record(tmp_path):
     trial = lab.read(experiment(tmp_path, MISCHIEF.replace("HOW", json.dumps(list(EXPECTED)))))
     lab.run(trial, tmp_path, workers=2)
+    jsonschema = pytest.importorskip("jsonschema")
+    for record in journal.read(tmp_path / "mischief.jsonl"):
+        jsonschema.validate(record, gw.schemas.load("record"))
     found = records(tmp_path, "mischief")
     assert len(found) == 3 * len(EXPECTED)
     for record in found:

@@ -1,5 +1,6 @@
 """JSON Schemas (draft 2020-12) of the files that Guideway promises: ``plan`` (plan.json), ``run`` (run.json), ``arm`` (traj.json), ``row`` (a line
-of ``--scen``), ``scene`` (scene and job TOML, read as plain data), ``summary`` (summary.json of the lab).
+of ``--scen``), ``scene`` (scene and job TOML, read as plain data), ``record`` (a line of the
+lab's records), ``summary`` (summary.json of the lab).
 
 They name every promised field with its unit and allow further ones.
 """
@@ -10,7 +11,7 @@ import json
 from importlib.resources import files
 from typing import Any
 
-NAMES = ("arm", "plan", "row", "run", "scene", "summary")
+NAMES = ("arm", "plan", "record", "row", "run", "scene", "summary")
 
 
 def load(name: str) -> dict[str, Any]:

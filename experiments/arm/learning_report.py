@@ -69,7 +69,7 @@ def source(rows: list[Row]) -> str:
 
 def targets(rows: list[Row]) -> str:
     lines = []
-    for (payload, noise), runs in grouped(rows, "payload", "noise").items():
+    for (payload, noise), runs in sorted(grouped(rows, "payload", "noise").items()):
         all_ = np.array([row["rows"] for row in runs], float)
         ratio, true = all_[:, :, 0], all_[:, :, 1]
         met = (f"{(ratio[:, 3] <= 1.05).sum()}", f"{(ratio[:, 5] <= 1.03).sum()}", f"{(true[:, 2:] <= 0.01).all(1).sum()}")

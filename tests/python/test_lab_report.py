@@ -426,3 +426,19 @@ def test_success_is_what_the_kind_says_it_is(tmp_path: Path) -> None:
     rows = [record("one", "good", seed, 10.0, measures={"length": 10.0, "success": seed > 0}) for seed in range(4)] + [failed("one", "good", 4)]
     cell = summaries(put(tmp_path / "runs", spec(["one"], ["good"]), rows))["cells"][0]
     assert (cell["success"]["hits"], cell["success"]["runs"], cell["failed"], cell["measures"]["length"]["n"]) == (3, 5, 1, 4)
+
+
+def test_the_page_leaves_out_what_it_does_not_show() -> None:
+    from guideway.lab.report.lean import MOST_BANDS, lean
+
+    stats = {"n": 3, "mean": 1 / 3, "sd": 1.0, "low": 0.1, "high": 0.5, "least": 0.0, "q1": 0.1, "median": 0.2, "q3": 0.3, "most": 1.0}
+    cell = {"measures": {"length": stats, "other": stats}, "times": {"cpu": stats, "wall": stats}}
+    curve = [{"world": str(k), "query": "", "method": m, "rows": [[j / 7, 1 / 3, 1 / 3, 1 / 3] for j in range(96)]} for k in range(300) for m in "ab"]
+    metrics = [{"name": "length", "first": True}, {"name": "other", "first": False}]
+    small = lean({"metrics": metrics, "cells": [cell], "overall": [cell], "curves": {"convergence": curve}})
+    assert set(small["cells"][0]["measures"]) == {"length"}
+    assert small["cells"][0]["measures"]["length"]["mean"] == 0.3333333
+    assert set(small["cells"][0]["times"]) == {"cpu"}
+    kept = small["curves"]["convergence"]
+    assert 0 < len(json.dumps(kept, separators=(",", ":"))) <= MOST_BANDS
+    assert len(kept) % 2 == 0, "all methods of a world or none"

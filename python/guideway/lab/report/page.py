@@ -11,6 +11,7 @@ from guideway.lab.results_page import SOURCES
 from guideway.view.report import clean, embed, fill
 
 from .drawing import Budget, drawing
+from .lean import lean
 from .loading import Loaded
 
 SHARED = ("kit.js", "raster.js")
@@ -24,7 +25,9 @@ def page(summaries: Sequence[dict[str, Any]], found: Sequence[Loaded], title: st
     budget = Budget()
     names = dict.fromkeys([*SOURCES, *sorted(str(one["source"]) for one in summaries)])
     named = [[key, SOURCES.get(key, key)] for key in names if any(one["source"] == key for one in summaries)]
-    entries = [one | {"drawing": drawing(loaded.grid, budget), "text": loaded.text[:MOST_TEXT]} for one, loaded in zip(summaries, found, strict=True)]
+    entries = [
+        lean(one) | {"drawing": drawing(loaded.grid, budget), "text": loaded.text[:MOST_TEXT]} for one, loaded in zip(summaries, found, strict=True)
+    ]
     data = clean({"schema": 1, "title": title, "sources": named, "experiments": entries, "worlds": budget.worlds})
     shared, own = files("guideway.view").joinpath("page"), files("guideway.lab.report").joinpath("page")
     scripts = [shared.joinpath(name) for name in SHARED] + [own.joinpath(name) for name in SCRIPTS]

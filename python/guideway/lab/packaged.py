@@ -12,7 +12,7 @@ from guideway.lab.reading import read
 def packaged() -> dict[str, Path]:
     """Name -> file of the experiments that ship with the package, sorted by name."""
     folder = Path(str(files("guideway").joinpath("data/experiments")))
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    return {path.stem: path for path in sorted(folder.glob("*.toml"), key=lambda path: path.stem)}
 
 
 def experiments() -> list[Experiment]:

@@ -103,7 +103,7 @@ def random(rows: list[Row]) -> str:
         "that is at most, in 1000 (95 %)",
         "largest true violation %",
     )
-    text = tables.markdown((*head, "T/T* of trial 4: median, 90 %, worst (plants)", "largest lower bound / T*"), lines)
+    text = tables.markdown((*head, "T/T* of trial 4: median, 90 %, worst (plants)"), lines)
     text += (
         f"\n{len(errors)} plants ended in an error. {refused} more had been drawn that cannot hold and rub slowly on the path within 98 % of their"
     )

@@ -37,7 +37,6 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "way.csv").write_text(WAY)
     (tmp_path / "tool.toml").write_text(TOOL)
     (tmp_path / "limits.toml").write_text("speed = 2.0\nacceleration = 5.0\ntorque = [28, 42, 40, 11, 5, 5]\n")
-    (tmp_path / "kinematic.toml").write_text("speed = 2.0\nacceleration = 5.0\ndeceleration = [4, 4, 4, 8, 8, 8]\n")
     (tmp_path / "jerk.toml").write_text("acceleration = 5.0\njerk = 100.0\n")
 
 
@@ -48,7 +47,7 @@ def run(capsys, *words):
 
 
 def test_the_star_with_everything(tmp_path, capsys):
-    words = ["--payload", 5, "--limits", "limits.toml", "--out", "traj.json"]
+    words = ["--payload", 5, "--friction", "reference", "--limits", "limits.toml", "--out", "traj.json"]
     words += ["--csv", "joint.csv", "--urscript", "star.script", "--ros", "star.yaml"]
     code, out, err = run(capsys, *STAR, *words)
     assert (code, err) == (0, "")
@@ -75,7 +74,7 @@ def test_json_alone_on_stdout(capsys):
 def test_way_points_tool_paths_and_files_of_robots(tmp_path, capsys):
     urdf = gw.arm.robot("ur5e").source
     for path in (["way.csv"], ["--nurbs", "tool.toml"]):
-        code, out, err = run(capsys, "arm", "time", *path, "--urdf", urdf, "--limits", "kinematic.toml", "--method", "bisection")
+        code, out, err = run(capsys, "arm", "time", *path, "--urdf", urdf, "--limits", "limits.toml", "--method", "bisection")
         assert code == 0, err
         assert "duration" in out
     code, out, err = run(capsys, "arm", "time", "way.csv", "--urdf", urdf, "--limits", "jerk.toml", "--jerk", "--override", "0.5")

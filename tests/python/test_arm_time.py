@@ -11,6 +11,17 @@ import guideway as gw
 from guideway.arm.paths import arm_for
 
 KINEMATIC = {5: 2.7007, 10: 1.9097, 20: 1.3554}
+LIMITED = {
+    (5, 0): 2.7214,
+    (5, 3): 2.7214,
+    (5, 5): 2.7811,
+    (10, 0): 2.0696,
+    (10, 3): 2.0708,
+    (10, 5): 2.2999,
+    (20, 0): 1.7358,
+    (20, 3): 1.8116,
+    (20, 5): 2.1074,  # the reference says 2.1612: see the test of the joint that stands still
+}
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +57,25 @@ def test_rated_torques_are_never_reached_on_the_star(arm, star_path):
     assert held.duration == pytest.approx(free.duration, rel=1e-4)
     torque = next(check for check in held.report["certificate"]["checks"] if check["limit"] == "torque")
     assert torque["ratio"] < 0.75
+
+
+def test_the_active_constraint_is_named(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm.with_payload(5.0))
+    named = {name for name in motion.grid["active"] if name}
+    assert any(name.startswith("torque of ") for name in named)
+    assert any("acceleration" in name for name in named)
+    assert len(motion.grid["active"]) == len(motion.grid["s"]) == len(motion.grid["x"])
+
+
+def test_limits_of_the_tip(arm, star_path):
+    motion = gw.arm.time(star_path, limits(10, tip_speed=0.35, tip_acceleration=1.5), arm)
+    checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
+    assert 0.99 < checks["tip_acceleration"] <= 1 + 1e-6
+    assert checks["tip_speed"] <= 1 + 1e-6
+    free = gw.arm.time(star_path, limits(10), arm)
+    assert motion.duration > 1.2 * free.duration
+    slow = gw.arm.time(star_path, limits(10, tip_speed=0.1), arm)
+    assert slow.duration > 0.72725 / 0.1
 
 
 def test_the_branch_decides(arm):
@@ -118,13 +148,36 @@ def test_torque_rate_is_kept(arm, star_path):
     assert 0.9 < checks["torque_rate"] <= 1 + 1e-6
 
 
-@pytest.mark.parametrize(("payload", "duration"), [(0, 2.0696), (3, 2.0708), (5, 2.2999)])
-def test_torque_limits_with_friction_give_the_reference_values(star_path, payload, duration):
-    arm = arm_for(gw.arm.robot("ur5e", friction=gw.arm.REFERENCE_FRICTION), gw.arm.star()).with_payload(float(payload))
-    motion = gw.arm.time(star_path, limits(10, torque=gw.arm.STAR_TORQUE), arm)
-    assert motion.duration == pytest.approx(duration, rel=0.005)
-    assert motion.report["method"] == "reachability"
-    assert motion.report["certificate"]["ok"]
+@pytest.mark.parametrize(("acceleration", "payload"), list(LIMITED))
+def test_torque_limits_with_friction_give_the_reference_values(arm, star_path, acceleration, payload):
+    asked, loaded = limits(acceleration, torque=gw.arm.STAR_TORQUE), arm.with_payload(float(payload))
+    motion, other = (gw.arm.time(star_path, asked, loaded, method=method) for method in ("reachability", "bisection"))
+    assert motion.duration == pytest.approx(LIMITED[acceleration, payload], rel=0.005)
+    assert other.duration == pytest.approx(motion.duration, rel=0.002)
+    for found, method in ((motion, "reachability"), (other, "bisection")):
+        assert found.report["method"] == method
+        assert found.report["certificate"]["ok"]
+
+
+def test_friction_of_the_joint_that_stands_still_explains_the_last_reference_value(arm, star_path):
+    """Joint 5 does not move along the star: its speed is rounding noise. The reference's 2.1612 s charges it with 2 N m of Coulomb friction by the
+    sign of that noise, which is the one as often as the other: it lies half way between friction that always acts one way and friction that always acts
+    the other way (with the noise of our own spline and 1000 intervals it is 2.1594 s)."""
+    loaded, path = arm.with_payload(5.0), star_path.path
+    assert np.abs(path.eval(np.linspace(0.0, path.length, 2001), 1)[1][:, 4]).max() < 1e-12
+    torques = gw.arm.torque_rows(loaded, path, limits(20, torque=gw.arm.STAR_TORQUE))
+
+    def charged(friction):
+        def rows(s):
+            found = torques(s)
+            found["c"][:, 4] += friction
+            return found
+
+        return gw.time_joints(path, {"speed": np.pi, "acceleration": 20.0}, rows=rows).duration
+
+    forth, back = charged(2.0), charged(-2.0)
+    assert LIMITED[20, 5] < forth < 2.1612 < back
+    assert (forth + back) / 2 == pytest.approx(2.1612, rel=0.005)
 
 
 def test_windows_say_when_places_are_passed(star_path):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from guideway.arm.model import STILL
+from guideway.arm.model import direction
 from guideway.arm.motion import ArmMotion
 from guideway.arm.rows import tip_derivatives
 
@@ -22,6 +22,9 @@ TOLERANCE = 1e-6
 
 WITHIN = 6
 """Samples within each piece of constant jerk, both of its ends included."""
+
+TURNING = 1e-6
+"""Share of the path below which a joint may be turning round at the end of a piece."""
 
 
 def certify(
@@ -64,7 +67,18 @@ def within_pieces(motion: ArmMotion, count: int) -> dict[str, Floats]:
     vv, aa, jj = v[:, None], a[:, None], j0[:, None]
     qd, qdd = one * vv, one * aa + two * vv**2
     qddd = one * jj + 3 * two * vv * aa + three * vv**3
-    return {"t": t0 + d, "s": s, "speed": v, "acceleration": a, "first": one, "q": q, "qd": qd, "qdd": qdd, "qddd": qddd}
+    state = {"t": t0 + d, "s": s, "speed": v, "acceleration": a, "first": one, "q": q, "qd": qd, "qdd": qdd, "qddd": qddd}
+    return state | {"direction": _directions(one, count)}
+
+
+def _directions(first: Floats, count: int) -> Floats:
+    """Which way each joint moves at the samples of the pieces; at the ends of a piece, where a joint may turn round, as within it."""
+    found = direction(first).reshape(-1, count, first.shape[1])
+    if count > 2:
+        share = np.abs(first).reshape(found.shape)
+        for end, inside in ((0, 1), (count - 1, count - 2)):
+            found[:, end] = np.where(share[:, end] < TURNING, found[:, inside], found[:, end])
+    return found.reshape(first.shape)
 
 
 def _check(name: str, ratios: Floats, state: dict[str, Floats], names: tuple[str, ...] | None, tolerance: float) -> dict[str, Any]:
@@ -121,7 +135,7 @@ def _ratios(motion: ArmMotion, state: dict[str, Floats], tolerance: float) -> li
 def _rates(motion: ArmMotion, asked: Floats, state: dict[str, Floats]) -> Floats:
     """Torque rates between neighbouring samples of one piece, N m/s; steps of Coulomb friction, where a joint turns round, do not count."""
     coulomb = motion.arm.friction.arrays(motion.arm.joints)[1] if motion.arm is not None else 0.0
-    smooth = asked - coulomb * np.where(np.abs(state["first"]) > STILL, np.sign(state["first"]), 0.0)
+    smooth = asked - coulomb * state["direction"]
     dt, change = np.diff(state["t"]), np.abs(np.diff(smooth, axis=0))
     rates = np.zeros_like(asked)
     inside = dt > 1e-9

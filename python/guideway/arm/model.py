@@ -18,8 +18,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-STILL = 1e-6
+STILL = 1e-9
 """A joint whose share of the path is below this does not move: Coulomb friction has no direction there."""
+
+
+def direction(first: Floats) -> Floats:
+    """Which way joints move along a path, by their shares ``first`` of it: -1, 1, or 0 where they stand."""
+    return np.where(np.abs(first) > STILL, np.sign(first), 0.0)
 
 
 @dataclass(frozen=True)

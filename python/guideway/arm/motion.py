@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from guideway.arm.limits import JointLimits
-from guideway.arm.model import STILL, Arm
+from guideway.arm.model import Arm, direction
 from guideway.arm.paths import JointPath
 from guideway.errors import BadParameter
 
@@ -96,11 +96,10 @@ class ArmMotion:
         """Torques (n, joints) in N m that the arm's model asks for along a sample; Coulomb friction acts along the path, at its ends too."""
         if self.arm is None:
             raise BadParameter("torques need an arm: give arm= when timing the path")
-        first = self.path.path.eval(sample["s"], 1)[1]
-        direction = np.where(np.abs(first) > STILL, np.sign(first), 0.0)
+        way = sample["direction"] if "direction" in sample else direction(self.path.path.eval(sample["s"], 1)[1])
         viscous, coulomb = self.arm.friction.arrays(self.arm.joints)
         self.arm.need_inertials()
-        return self.arm.rnea(sample["q"], sample["qd"], sample["qdd"]) + viscous * sample["qd"] + coulomb * direction
+        return self.arm.rnea(sample["q"], sample["qd"], sample["qdd"]) + viscous * sample["qd"] + coulomb * way
 
     def times_at(self, s: ArrayLike) -> Floats:
         """When the motion is at places ``s`` (n,) of its path (rad), s."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from guideway.arm.extra import pinocchio
 from guideway.arm.limits import JointLimits
-from guideway.arm.model import STILL, Arm, _frame
+from guideway.arm.model import Arm, _frame, direction
 from guideway.errors import BadParameter, Infeasible
 
 if TYPE_CHECKING:
@@ -32,9 +32,6 @@ DIRECTIONS = 12
 """Directions in which the tip's acceleration is bounded, in the plane it can lie in: the bound that results is a regular polygon inside the circle,
 so it is kept exactly and 0.9 % of it is given away at most."""
 
-TURNING, STANDING = 1e-5, 1e-9
-"""A joint with a share of the path below the first turns round: its Coulomb friction counts in both directions there. Below the second it stands."""
-
 
 def torque_coefficients(arm: Arm, path: Path, s: Floats) -> Rows:
     """Coefficients ``a, b, d, c`` (and ``g``, the part of gravity in ``c``) of the joint torques at places ``s`` (n,),
@@ -49,12 +46,11 @@ def coefficients_of(arm: Arm, q: Floats, first: Floats, second: Floats) -> Rows:
     still = np.zeros_like(q)
     gravity = arm.rnea(q, still, still)
     viscous, coulomb = arm.friction.arrays(arm.joints)
-    direction = np.where(np.abs(first) > STILL, np.sign(first), 0.0)
     return {
         "a": arm.rnea(q, still, first) - gravity,
         "b": arm.rnea(q, first, second) - gravity,
         "d": viscous * first,
-        "c": gravity + coulomb * direction,
+        "c": gravity + coulomb * direction(first),
         "g": gravity,
     }
 
@@ -69,15 +65,10 @@ def torque_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
     if bound is None:
         bound = np.array(arm.torque_limits())
 
-    coulomb = arm.friction.arrays(arm.joints)[1]
-
     def rows(s: Floats) -> Rows:
         q, first, second = path.eval(np.asarray(s, float), 2)
         found = coefficients_of(arm, q, first, second)
-        turning = (np.abs(first) < TURNING) & ((np.abs(first) > STANDING) | (np.abs(second) > TURNING))
-        spare = np.where(turning, coulomb, 0.0)
-        found["c"] = np.where(turning, found["g"], found["c"])
-        return {key: found[key] for key in "abdc"} | {"low": -bound + spare, "high": bound - spare}
+        return {key: found[key] for key in "abdc"} | {"low": -bound, "high": bound}
 
     return rows
 

@@ -15,6 +15,10 @@ const SAME: f64 = 1e-6;
 const STILL: f64 = 1e-7;
 /// How far from a place where the curve stands still its derivatives are taken, as a share of the interval.
 pub(super) const ASIDE: f64 = 1e-4;
+/// Share of its largest speed by the parameter below which the curve is slow.
+const SLOW: f64 = 0.5;
+/// Share of the path below which a joint does not move but for rounding.
+const STANDING: f64 = 1e-9;
 /// Samples per piece in the search for places where the speed by the parameter is least.
 const SAMPLES: usize = 24;
 
@@ -203,33 +207,36 @@ impl Course {
         Place { piece, t, s }
     }
 
-    /// Parameters inside a piece where the curve slows down most by its parameter (cusps are among them), and where the joints turn back.
+    /// Parameters inside a piece where the curve slows down much by its parameter (cusps are among them), and where the joints turn back.
     pub fn breaks(&self, piece: usize, turns: bool) -> Vec<f64> {
         if self.degree == 1 {
             return Vec::new();
         }
         let mut shape = Shape::new(self.dimension);
-        let columns = if turns { self.dimension } else { 0 };
+        // Joint by joint how fast it goes, and whether the curve slows down.
         let mut values = |t: f64| {
             self.by_parameter(piece, t, &mut shape);
-            let mut row = vec![inner(&shape.first, &shape.second)];
-            row.extend_from_slice(&shape.first[..columns]);
+            let mut row = shape.first.clone();
+            row.push(inner(&shape.first, &shape.second));
             row
         };
+        let rows: Vec<Vec<f64>> = (0..=SAMPLES).map(|i| values(i as f64 / SAMPLES as f64)).collect();
+        let slowing = self.dimension;
+        let speed = |row: &Vec<f64>| inner(&row[..slowing], &row[..slowing]).sqrt();
+        let fastest = rows.iter().map(speed).fold(0.0, f64::max);
+        let moves = |d: usize| rows.iter().any(|row| row[d].abs() > STANDING * speed(row));
         let mut found = Vec::new();
-        let mut before = values(0.0);
-        for i in 1..=SAMPLES {
-            let (a, b) = ((i - 1) as f64 / SAMPLES as f64, i as f64 / SAMPLES as f64);
-            let after = values(b);
-            for c in 0..=columns {
-                let crosses = if c == 0 { before[0] < 0.0 && after[0] > 0.0 } else { before[c] * after[c] < 0.0 };
+        for c in (0..=slowing).filter(|c| *c == slowing || (turns && moves(*c))) {
+            for (i, w) in rows.windows(2).enumerate() {
+                let [a, b] = [i, i + 1].map(|i| i as f64 / SAMPLES as f64);
+                let (before, after) = (w[0][c], w[1][c]);
+                let crosses = if c == slowing { before < 0.0 && after > 0.0 && speed(&w[0]) < SLOW * fastest } else { before * after < 0.0 };
                 if crosses {
                     found.push(root(|t| values(t)[c], [a, b]));
-                } else if after[c] == 0.0 && i < SAMPLES && before[c] != 0.0 {
+                } else if after == 0.0 && i + 1 < SAMPLES && before != 0.0 {
                     found.push(b);
                 }
             }
-            before = after;
         }
         found.sort_by(f64::total_cmp);
         found.dedup_by(|b, a| *b - *a < 1e-6);

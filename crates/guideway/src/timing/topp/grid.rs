@@ -2,6 +2,9 @@
 
 use super::course::{Course, Shape, Span, Way};
 
+/// Spans on which places of the path are found by their arc length.
+pub(super) const WALK: usize = 2500;
+
 /// The intervals of a grid, and the shape of the path at their ends and in their middles.
 #[derive(Debug)]
 pub(super) struct Grid {
@@ -11,9 +14,10 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// About `count` intervals, at least `least` between breaks of the path, no more of them where they are short.
+    /// About `count` intervals, a few at least between breaks of the path.
     pub fn initial(course: &Course, count: usize, turns: bool) -> Self {
         let mut spans = Vec::with_capacity(2 * count);
+        let least = (count / course.count()).clamp(1, 4);
         for piece in 0..course.count() {
             let mut breaks = vec![0.0];
             breaks.extend(course.breaks(piece, turns));
@@ -21,7 +25,7 @@ impl Grid {
             for w in breaks.windows(2) {
                 let ends = [course.place(piece, w[0]), course.place(piece, w[1])];
                 let share = (ends[1].s - ends[0].s) / course.length;
-                let n = ((count as f64 * share).round() as usize).max(4).next_multiple_of(2);
+                let n = ((count as f64 * share).round() as usize).max(least).next_multiple_of(least.min(2));
                 let mut from = ends[0];
                 for i in 1..=n {
                     let to = if i == n { ends[1] } else { course.place(piece, w[0] + (w[1] - w[0]) * i as f64 / n as f64) };
@@ -46,10 +50,11 @@ impl Grid {
 
     /// `count` intervals of equal arc length, and the places where pieces meet or the path turns back besides.
     pub fn even(course: &Course, count: usize, turns: bool) -> Self {
-        let breaks = Self::initial(course, 1, turns);
+        // Places are found on spans of their own, short enough for arc length within them to be exact.
+        let breaks = Self::initial(course, count.max(WALK), turns);
         let mut at: Vec<f64> = (0..=count).map(|i| course.length * i as f64 / count as f64).collect();
         let tiny = 1e-3 * course.length / count as f64;
-        let fixed: Vec<f64> = breaks.spans.iter().filter(|s| s.t[0] == 0.0).map(|s| s.s[0]).collect();
+        let fixed = self::breaks(course, turns);
         let stops: Vec<f64> = breaks.spans.iter().zip(&breaks.stops).filter(|(_, stop)| **stop).map(|(s, _)| s.s[0]).collect();
         at.retain(|s| fixed.iter().chain(&stops).all(|f| (f - s).abs() > tiny || *f == *s));
         at.extend(fixed.into_iter().chain(stops));
@@ -112,6 +117,17 @@ impl Grid {
         stops.push(self.stops.last().copied().unwrap_or(false));
         Self { spans, stops }
     }
+}
+
+/// Arc lengths where polynomial pieces meet, where the path slows down by its parameter and, if asked for, where a joint turns back; both ends too.
+pub(super) fn breaks(course: &Course, turns: bool) -> Vec<f64> {
+    let mut s = vec![0.0];
+    for piece in 0..course.count() {
+        s.extend(course.breaks(piece, turns).into_iter().map(|t| course.place(piece, t).s));
+        s.push(course.place(piece, 1.0).s);
+    }
+    s.dedup_by(|b, a| *b <= *a);
+    s
 }
 
 /// Parameter in a span at an arc length.

@@ -4,6 +4,9 @@ use super::rows::Rows;
 use super::strips::{Strips, Stuck};
 use crate::error::PlanError;
 
+/// Change of x, as a share, below which tangents to its square root are taken as they are: they are then wrong by its square.
+pub(super) const SETTLED: f64 = 1e-6;
+
 /// The fastest squared path speed at the points `s` (increasing) under `ceiling` and `rows` at the points, the path acceleration being constant between
 /// them and the rows kept at both ends of every interval; `ends`: squared path speeds at both ends. Rows with `d` are linearised at the solution, repeatedly.
 /// # Errors
@@ -47,7 +50,7 @@ pub fn kernel(s: &[f64], ceiling: &[f64], rows: &Rows, ends: [f64; 2]) -> Result
         strips.fill(&linear);
         let next = strips.fastest(ends).map_err(infeasible)?;
         let change = |x: &Vec<f64>| next.iter().zip(x).map(|(a, b)| (a - b).abs() / (a + b + f64::MIN_POSITIVE)).fold(0.0, f64::max);
-        let settled = x.as_ref().is_some_and(|x| change(x) < 1e-10);
+        let settled = x.as_ref().is_some_and(|x| change(x) < SETTLED);
         x = Some(next);
         if settled {
             break;

@@ -17,6 +17,7 @@ mod rows;
 mod smooth;
 mod solve;
 mod strips;
+mod table;
 #[cfg(test)]
 mod tests;
 mod windows;
@@ -35,11 +36,9 @@ use check::Binding;
 use course::Course;
 use grid::Grid;
 use serde::Serialize;
-use smooth::{Smooth, Task};
+use smooth::{CEILING, Smooth, Task};
 use solve::{Solved, Solver};
-
-/// Spans on which the jerk-limited version finds its places on the path.
-const WALK: usize = 2500;
+use table::Table;
 
 /// How the profile on a grid is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -135,6 +134,12 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
         };
         return Ok(empty);
     }
+    let mut table = demands.rows.as_mut().map(|rows| Table::new(&course, &mut **rows)).transpose()?;
+    let demands = &mut Demands {
+        names: demands.names.clone(),
+        rows: table.as_mut().map(|table| Box::new(|s: &[f64]| table.at(s)) as Box<RowsAt>),
+        ceiling: demands.ceiling.as_mut().map(|ceiling| Box::new(|s: &[f64]| ceiling(s)) as Box<CeilingAt>),
+    };
     let solved = Solver { course: &course, bounds: &bounds, options, demands }.solve()?;
     let motion = told(path, &solved, &bounds, &demands.names);
     if !options.jerk {
@@ -143,15 +148,16 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
     if bounds.jerk.iter().all(|j| j.is_infinite()) {
         return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3"));
     }
-    let mut task = Task { course: &course, bounds: &bounds, demands, cells: options.grid, check: options.check };
+    let breaks = grid::breaks(&course, true);
+    let mut task = Task { course: &course, bounds: &bounds, demands, breaks, cells: options.grid, check: options.check };
     // Places are found on spans of their own: where the path turns sharply those of a given grid are too long for it.
-    let mut smooth = task.solve(&solved, &Grid::initial(&course, WALK, false).spans)?;
+    let mut smooth = task.solve(&solved, &Grid::initial(&course, grid::WALK, false).spans)?;
     smooth.wait(&options.windows, path.length())?;
-    Ok(smoothed(&motion, smooth))
+    Ok(smoothed(&motion, smooth, &task.demands.names))
 }
 
 /// The second-order motion with its pieces replaced by the jerk-limited ones.
-fn smoothed(second: &JointMotion, smooth: Smooth) -> JointMotion {
+fn smoothed(second: &JointMotion, smooth: Smooth, names: &[String]) -> JointMotion {
     let mut motion = second.clone();
     let states: Vec<[f64; 3]> = smooth
         .pieces
@@ -164,21 +170,30 @@ fn smoothed(second: &JointMotion, smooth: Smooth) -> JointMotion {
     motion.u = states.iter().map(|state| state[2]).collect();
     motion.mvc = motion.s.iter().map(|s| second.mvc_at(*s)).collect();
     motion.pieces = smooth.pieces;
-    let names = ["speed", "acceleration", "jerk", "rows"];
     let name = |k: usize| {
-        let used = smooth.used[(k / 2).min(smooth.used.len() - 1)];
-        names[(0..4).max_by(|i, j| used[*i].total_cmp(&used[*j])).unwrap_or(0)].to_owned()
+        let used = &smooth.used[(k / 2).min(smooth.used.len() - 1)];
+        let kind = (0..4).max_by(|i, j| used.share[*i].total_cmp(&used.share[*j])).unwrap_or(0);
+        match (kind, used.owner[kind]) {
+            (0, CEILING) => "ceiling".to_owned(),
+            (3, row) => row_name(names, row),
+            (kind, joint) => format!("{} of joint {}", ["speed", "acceleration", "jerk"][kind], joint + 1),
+        }
     };
     motion.active = (0..motion.s.len()).map(name).collect();
     let all: f64 = smooth.prices.iter().sum();
     let lost = motion.duration() - second.duration();
     motion.price =
         smooth.prices.iter().enumerate().map(|(i, p)| (format!("jerk of joint {}", i + 1), if all > 0.0 { lost * p / all } else { 0.0 })).collect();
-    motion.report.excess = smooth.used.iter().flatten().map(|used| used - 1.0).fold(0.0, f64::max);
+    motion.report.excess = smooth.used.iter().flat_map(|used| used.share).map(|share| share - 1.0).fold(0.0, f64::max);
     motion.report.steps = smooth.steps;
     motion.report.jerk_tightenings = smooth.tightenings;
     motion.report.jerk_slowed = smooth.slowed;
     motion
+}
+
+/// The name of a row that was called for.
+fn row_name(names: &[String], row: usize) -> String {
+    names.get(row).cloned().unwrap_or_else(|| format!("row {}", row + 1))
 }
 
 /// The solution with what binds where.
@@ -188,7 +203,7 @@ fn told(path: &Path, solved: &Solved, bounds: &limits::Bounds, names: &[String])
     let name = |k: usize| match solved.used[k.min(n - 1)].binding {
         Binding::Speed(i) => format!("speed of joint {}", i + 1),
         Binding::Acceleration(i) => format!("acceleration of joint {}", i + 1),
-        Binding::Row(i) => names.get(i).cloned().unwrap_or_else(|| format!("row {}", i + 1)),
+        Binding::Row(i) => row_name(names, i),
         Binding::Ceiling => "ceiling".to_owned(),
     };
     let strips = solved.problem.strips(bounds, Some(x));

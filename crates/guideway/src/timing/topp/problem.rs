@@ -13,6 +13,8 @@ use crate::error::PlanError;
 
 /// Places of an interval, as shares of its parameter.
 const PLACES: [f64; 3] = [0.0, 0.5, 1.0];
+/// How far inside an interval its ends are called for, as a share of it.
+const ASIDE: f64 = 1e-7;
 
 /// A callback with rows at arc lengths (rad).
 pub type RowsAt<'a> = dyn FnMut(&[f64]) -> Result<Rows, PlanError> + 'a;
@@ -141,19 +143,10 @@ impl Problem {
         out
     }
 
-    /// Arc lengths of the three places of every interval; ends a little inside where the direction of a joint changes.
+    /// Arc lengths of the three places of every interval, the ends a little inside: rows may jump from one interval to the next.
     fn places(&self) -> Vec<f64> {
-        let middle = |k: usize| Self::shape(&self.first, self.joints, k, 1);
-        let turns = |k: usize| middle(k).iter().zip(middle(k + 1)).any(|(a, b)| a * b <= 0.0 && a != b);
-        let n = self.ways.len();
-        let mut s = Vec::with_capacity(3 * n);
-        for k in 0..n {
-            let (length, aside) = (self.ways[k][2], 1e-7 * self.ways[k][2]);
-            s.push(self.s[k] + if k > 0 && turns(k - 1) { aside } else { 0.0 });
-            s.push(self.s[k] + self.ways[k][1]);
-            s.push(self.s[k] + length - if k + 1 < n && turns(k) { aside } else { 0.0 });
-        }
-        s
+        let place = |(k, ways): (usize, &[f64; 3])| [ASIDE * ways[2], ways[1], (1.0 - ASIDE) * ways[2]].map(|way| self.s[k] + way);
+        self.ways.iter().enumerate().flat_map(place).collect()
     }
 
     /// Rows and ceilings of the demands.
@@ -304,7 +297,7 @@ fn enclose([start, middle, end]: [Raw; 3], out: &mut Vec<Raw>) {
 }
 
 /// Bounds moved towards each other; `tight` >= 1 is the share by which the demand exceeded them, counted from their middle.
-fn shrunk([low, high]: [f64; 2], tight: f64) -> [f64; 2] {
+pub(super) fn shrunk([low, high]: [f64; 2], tight: f64) -> [f64; 2] {
     if tight == 1.0 {
         return [low, high];
     }

@@ -4,6 +4,7 @@ use super::bisection;
 use super::check::{self, Use};
 use super::course::Course;
 use super::grid::Grid;
+use super::kernel::SETTLED;
 use super::limits::Bounds;
 use super::motion::{Leg, legs};
 use super::problem::{Demands, Problem};
@@ -21,6 +22,11 @@ const ROUNDS: usize = 7;
 const TIGHTENINGS: usize = 30;
 /// Most times that the whole motion is slowed down.
 const SLOWINGS: usize = 4;
+/// Most parts that an interval is cut into at once, and what is added to their number before it is rounded down.
+const MOST_PARTS: f64 = 6.0;
+const AHEAD: f64 = 0.7;
+/// Share of the change of the squared speed by a jump of the path acceleration, on the intervals beside it, that a finer grid might save.
+const JUMP: f64 = 0.125;
 /// Excess that is removed by slowing the whole motion down, where it starts and ends at rest.
 const SMALL: f64 = 2e-5;
 const TANGENTS: usize = 30;
@@ -127,7 +133,7 @@ impl Solver<'_, '_> {
                 let next = solve(Some(&x))?;
                 let change = next.iter().zip(&x).map(|(a, b)| (a - b).abs() / (a + b + f64::MIN_POSITIVE)).fold(0.0, f64::max);
                 x = next;
-                if change < 1e-9 {
+                if change < SETTLED {
                     break;
                 }
             }
@@ -260,26 +266,35 @@ fn refinement(problem: &Problem, x: &[f64], bounds: &Bounds, tolerance: f64) -> 
     // Path acceleration at the start and the end of an interval.
     let at = |k: usize, side: f64| u[k] + 0.5 * side * bend[k] * step(k);
     let mut limits = Vec::new();
-    let losses: Vec<f64> = (0..n).map(|k| 0.5 * time(k) * problem.slack(k, bounds, x, &mut limits)).collect();
+    // By how much the path acceleration jumps at a node.
+    let jump = |k: usize| if k == 0 || k == n { 0.0 } else { (at(k - 1, 1.0) - at(k, -1.0)).abs() };
+    let unsteady = |k: usize| (JUMP * step(k) * (jump(k) + jump(k + 1)) / x[k].max(x[k + 1]).max(f64::MIN_POSITIVE)).min(1.0);
+    let losses: Vec<f64> = (0..n).map(|k| time(k) * (0.5 * problem.slack(k, bounds, x, &mut limits)).max(unsteady(k))).collect();
     let sum: f64 = losses.iter().sum();
     let mut cuts = vec![Vec::new(); n];
     if sum <= tolerance * total {
         return cuts;
     }
-    let fair = tolerance * total / n as f64;
-    for k in (0..n).filter(|k| losses[*k] > fair) {
+    // What an interval loses falls with the cube of its length: this many parts for each leave the tolerance in all, with the fewest intervals.
+    let share = (losses.iter().map(|l| l.cbrt()).sum::<f64>() / (tolerance * total)).sqrt();
+    let parts: Vec<f64> = losses.iter().map(|l| (share * l.cbrt() + AHEAD).floor().min(MOST_PARTS)).collect();
+    for k in (0..n).filter(|k| parts[*k] >= 2.0) {
         let [a, b] = [s[k], s[k + 1]];
         if k > 0 && k + 1 < n && (u[k - 1] - u[k]) * (u[k] - u[k + 1]) > 0.0 {
             // Where the line from the left meets the line from the right.
             let (left, right) = (at(k - 1, 1.0), at(k + 1, -1.0));
             let meet = (x[k + 1] - x[k] - 2.0 * right * (b - a)) / (2.0 * (left - right)) + a;
             if meet > a + 0.02 * (b - a) && meet < b - 0.02 * (b - a) {
+                // A switch predicted near one end may be anywhere: the longer part is halved too.
+                let (before, after) = (meet - a, b - meet);
+                let halved = if before > 3.0 * after { Some(a + 0.5 * before) } else { None };
+                cuts[k].extend(halved);
                 cuts[k].push(meet);
+                cuts[k].extend(if after > 3.0 * before { Some(b - 0.5 * after) } else { None });
                 continue;
             }
         }
-        let parts = (losses[k] / fair).cbrt().ceil().clamp(2.0, 4.0);
-        cuts[k].extend((1..parts as usize).map(|i| a + (b - a) * i as f64 / parts));
+        cuts[k].extend((1..parts[k] as usize).map(|i| a + (b - a) * i as f64 / parts[k]));
     }
     cuts
 }

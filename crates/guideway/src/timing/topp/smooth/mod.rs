@@ -9,6 +9,7 @@ mod barrier;
 mod pieces;
 mod reference;
 mod rows;
+mod used;
 
 use super::course::{Course, Span};
 use super::limits::Bounds;
@@ -23,6 +24,7 @@ use barrier::Barrier;
 use pieces::Walker;
 use reference::Reference;
 use rows::{Kinetic, Posed};
+pub(super) use used::{CEILING, Used};
 
 /// Cells if no number is asked for, and fewest per stretch.
 const CELLS: usize = 500;
@@ -36,6 +38,9 @@ const AGAIN: f64 = 3e-3;
 const COARSE: usize = 250;
 /// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`.
 const ROUNDS: usize = 4;
+/// More rounds where rows are called for, and times that the motion is slowed down at last.
+const MORE: usize = 3;
+const SLOWINGS: usize = 6;
 const GOOD: f64 = 1e-3;
 /// Places per piece of the checks before the last one.
 const FEW: usize = 3;
@@ -47,7 +52,7 @@ const EXTRA: f64 = 1e-3;
 pub(super) struct Smooth {
     pub pieces: Vec<Piece>,
     /// Use of speed, acceleration, jerk and demands of every pair of pieces.
-    pub used: Vec<[f64; 4]>,
+    pub used: Vec<Used>,
     /// Sensitivity of the duration to each limit of jerk, s per relative change.
     pub prices: Vec<f64>,
     /// Newton steps, rounds of tightening, factor of the slow-down at the end.
@@ -70,7 +75,7 @@ impl Smooth {
                 let factor = window.earliest / time;
                 pieces::slowed(&mut self.pieces, factor);
                 for u in &mut self.used {
-                    *u = [u[0] / factor, u[1] / factor.powi(2), u[2] / factor.powi(3), u[3]];
+                    *u = u.slowed(factor);
                 }
             }
             window.met(time.max(window.earliest))?;
@@ -84,6 +89,8 @@ pub(super) struct Task<'a, 'd> {
     pub course: &'a Course,
     pub bounds: &'a Bounds,
     pub demands: &'a mut Demands<'d>,
+    /// Where rows may jump: the breaks of the path, arc lengths.
+    pub breaks: Vec<f64>,
     /// Cells, all stretches together.
     pub cells: Option<usize>,
     pub check: usize,
@@ -115,12 +122,12 @@ impl Task<'_, '_> {
         let mut walker = Walker::new(self.course, spans);
         let coarse = cells.min(COARSE);
         let mut posed = self.first(legs, ends, coarse, &mut walker);
-        let mut tight = vec![[1.0; 3]; coarse];
+        let mut tight = vec![[1.0; 4]; coarse];
         let mut best: Option<Told> = None;
-        for round in 0..ROUNDS {
+        for round in 0..if self.demands.rows.is_some() { ROUNDS + MORE } else { ROUNDS } {
             posed.limits(self.bounds, &tight, self.demands)?;
             let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
-            if round > 0 {
+            if round > 0 && self.demands.rows.is_none() {
                 posed.prune();
             }
             let Some(mut y) = posed.start() else { break };
@@ -136,12 +143,12 @@ impl Task<'_, '_> {
             let (lengths, ends) = told.cells(parts);
             if round > 0 {
                 for (tight, used) in tight.iter_mut().zip(&told.used) {
-                    for i in 0..3 {
-                        tight[i] = (tight[i] * if used[i] > 1.0 { used[i] * (1.0 + EXTRA) } else { 1.0 }).min(1.2);
+                    for (tight, share) in tight.iter_mut().zip(used.share) {
+                        *tight = (*tight * if share > 1.0 { share * (1.0 + EXTRA) } else { 1.0 }).min(1.2);
                     }
                 }
             } else {
-                tight = vec![[1.0; 3]; lengths.len()];
+                tight = vec![[1.0; 4]; lengths.len()];
             }
             if best.as_ref().is_none_or(|b| told.time * told.slower < b.time * b.slower) {
                 best = Some(told);
@@ -155,13 +162,36 @@ impl Task<'_, '_> {
             let reason = format!("no jerk-limited motion was found between s = {:.6} and {:.6} rad", ends[0], ends[1]);
             return Err(PlanError::Infeasible { reason, best_end_speed: None });
         };
-        let told = self.told(told.pieces, self.check.div_ceil(2), &mut walker)?;
-        smooth.slowed = smooth.slowed.max(told.slower);
+        let told = self.kept(told.pieces, &mut walker, smooth)?;
         let t0 = smooth.pieces.last().map_or(0.0, |p| p.start() + p.duration());
-        let (pieces, used) = told.slow();
-        smooth.pieces.extend(pieces.into_iter().map(|piece| piece.shifted(t0)));
-        smooth.used.extend(used);
+        smooth.pieces.extend(told.pieces.into_iter().map(|piece| piece.shifted(t0)));
+        smooth.used.extend(told.used);
         Ok(())
+    }
+
+    /// Pieces slowed down until the dense check finds all limits kept.
+    fn kept(&mut self, pieces: Vec<Piece>, walker: &mut Walker, smooth: &mut Smooth) -> Result<Told, PlanError> {
+        let count = self.check.div_ceil(2);
+        let mut told = self.told(pieces, count, walker)?;
+        let mut slowed = 1.0;
+        for _ in 0..SLOWINGS {
+            if told.slower <= 1.0 {
+                break;
+            }
+            slowed *= told.slower;
+            told = told.slow();
+            if self.demands.rows.is_none() {
+                break;
+            }
+            told = self.told(told.pieces, count, walker)?;
+        }
+        smooth.slowed = smooth.slowed.max(slowed);
+        let excess = told.used.iter().map(|used| used.share[3] - 1.0).fold(0.0, f64::max);
+        if excess > 1e-6 {
+            let detail = format!("a limit other than those of the joints is exceeded by {excess:.1e} of its size by the jerk-limited motion");
+            return Err(PlanError::CertificateFailed { stage: "timing of the joints", detail });
+        }
+        Ok(told)
     }
 
     /// The problem in the time of the averaged second-order motion, cells of equal length.
@@ -184,10 +214,9 @@ impl Task<'_, '_> {
 
     /// Pieces and the use of the limits on them, by `places` places per piece.
     fn told(&mut self, pieces: Vec<Piece>, places: usize, walker: &mut Walker) -> Result<Told, PlanError> {
-        let used = pieces::check(walker, &pieces, self.bounds, places);
-        let mut used: Vec<[f64; 4]> = used.into_iter().map(|[v, a, j]| [v, a, j, 0.0]).collect();
-        pieces::demands(self.demands, &pieces, places, &mut used)?;
-        let slower = used.iter().map(|[v, a, j, _]| v.max(a.sqrt()).max(j.cbrt())).fold(1.0, f64::max);
+        let mut used = used::joints(walker, &pieces, self.bounds, places);
+        used::demands(self.demands, &pieces, places, &self.breaks, &mut used)?;
+        let slower = used.iter().map(Used::slower).fold(1.0, f64::max);
         let time = pieces.last().map_or(0.0, |p| p.start() + p.duration());
         Ok(Told { pieces, used, slower, time })
     }
@@ -196,7 +225,7 @@ impl Task<'_, '_> {
 /// Pieces, two per cell, the use of the limits on every cell, and how much slower they must become to keep them.
 struct Told {
     pieces: Vec<Piece>,
-    used: Vec<[f64; 4]>,
+    used: Vec<Used>,
     slower: f64,
     time: f64,
 }
@@ -223,10 +252,10 @@ impl Told {
     }
 
     /// Slowed down until the limits are kept.
-    fn slow(mut self) -> (Vec<Piece>, Vec<[f64; 4]>) {
-        let factor = if self.slower > 1.0 { self.slower * (1.0 + ROOM) } else { 1.0 };
+    fn slow(mut self) -> Self {
+        let factor = self.slower * (1.0 + ROOM);
         pieces::slowed(&mut self.pieces, factor);
-        let used = self.used.into_iter().map(|u| [u[0] / factor, u[1] / factor.powi(2), u[2] / factor.powi(3), u[3]]).collect();
-        (self.pieces, used)
+        let used = self.used.into_iter().map(|used| used.slowed(factor)).collect();
+        Self { used, slower: 1.0, time: self.time * factor, ..self }
     }
 }

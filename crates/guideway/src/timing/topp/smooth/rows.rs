@@ -7,7 +7,7 @@ use super::barrier::Row;
 use super::pieces::{Moving, Walker};
 use crate::error::PlanError;
 use crate::timing::topp::limits::Bounds;
-use crate::timing::topp::problem::{Demands, checked_ceiling};
+use crate::timing::topp::problem::{Demands, checked_ceiling, shrunk};
 
 /// Most that the reference may be sped up, squared.
 const MOST: f64 = 400.0;
@@ -56,8 +56,8 @@ impl Posed {
         [[b * inverse, a * inverse], [-inverse, inverse]]
     }
 
-    /// All rows; the limits of cells are divided by `tight` (speed, acceleration, jerk).
-    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 3]], demands: &mut Demands) -> Result<(), PlanError> {
+    /// All rows; the limits of cells are divided by `tight` (speed, acceleration, jerk, rows called for).
+    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 4]], demands: &mut Demands) -> Result<(), PlanError> {
         let fastest = |rates: &[f64]| rates.iter().zip(&bounds.speed).map(|(q, v)| (q / v) * (q / v)).fold(1.0 / MOST, f64::max);
         let n = self.step.len();
         self.top = vec![MOST; n];
@@ -86,7 +86,7 @@ impl Posed {
         for (j, tight) in tight.iter().enumerate() {
             self.jerks(j, bounds, tight[2]);
         }
-        self.called(demands)
+        self.called(demands, tight)
     }
 
     /// Rows of acceleration at the junction after cell `k`.
@@ -144,7 +144,7 @@ impl Posed {
     }
 
     /// Rows and ceilings of the demands, at the junctions.
-    fn called(&mut self, demands: &mut Demands) -> Result<(), PlanError> {
+    fn called(&mut self, demands: &mut Demands, tight: &[[f64; 4]]) -> Result<(), PlanError> {
         let n = self.step.len();
         let s: Vec<f64> = self.cells[..n - 1].iter().map(|ends| ends[1][0]).collect();
         if let Some(ceiling) = &mut demands.ceiling {
@@ -162,7 +162,8 @@ impl Posed {
             let ([y, w], at, [_, v, a, _]) = (self.junction(k), k.min(n - 3), self.cells[k][1]);
             for r in 0..rows.count {
                 let i = k * rows.count + r;
-                let [low, high] = closed([rows.low[i], rows.high[i]], rows.c[i]);
+                let bounds = shrunk([rows.low[i], rows.high[i]], tight[k][3].max(tight[k + 1][3]));
+                let [low, high] = closed(bounds, rows.c[i]);
                 let (half, centre) = (0.5 * (high - low), 0.5 * (high + low));
                 let (slope, level) = (rows.a[i] * v, rows.a[i] * a + rows.b[i] * v * v);
                 let mut row = Row { at, constant: (rows.c[i] - centre) / half, owner: 2 * self.joints + r, cell: k, ..Row::default() };

@@ -84,6 +84,26 @@ def kernel(spline: Spline, s: np.ndarray, reps: int) -> tuple[float, float, floa
     return (spent, *excess(spline, s, x))
 
 
+def torqued(spline: Spline, s: np.ndarray, reps: int, friction: dict[str, Any] | None = None) -> tuple[float, float, float]:
+    """The kernel under the torques of an arm with 3 kg besides: time after the rows; the excess is that of speed and acceleration."""
+    from guideway.arm.rows import coefficients_of
+
+    arm = gw.arm.robot("ur5e", payload=3.0, friction=friction)
+    q, first, second = (np.ascontiguousarray(spline.curve(s, k)) for k in range(3))
+    found = coefficients_of(arm, q, first, second)
+    still = np.zeros_like(first)
+    a, b, c, d = (np.hstack(pair) for pair in ((first, found["a"]), (second, found["b"]), (still, found["c"]), (still, found["d"])))
+    top = 1 / np.max((first / SPEED) ** 2, axis=1)
+    bound = np.concatenate([np.full(DOF, ACCELERATION), arm.torque_limits()])
+    spent, x = median(lambda: _core.topp_kernel(s, top, a, b, c, -bound, bound, d if d.any() else None), reps)
+    return (spent, *excess(spline, s, x))
+
+
+def rubbed(spline: Spline, s: np.ndarray, reps: int) -> tuple[float, float, float]:
+    """The same with viscous friction: rows with the square root of x, linearised a few times."""
+    return torqued(spline, s, reps, {"viscous": (8, 8, 8, 2, 2, 2), "coulomb": (7, 7, 7, 2, 2, 2)})
+
+
 def copp(spline: Spline, s: np.ndarray, reps: int) -> tuple[float, float, float]:
     import copp_py
 
@@ -182,7 +202,13 @@ def main() -> int:
     warnings.filterwarnings("ignore")
     splines = [Spline(10, 1000 + k) for k in range(args.paths)]
     s = np.linspace(0, 1, args.intervals + 1)
-    ours = {"guideway, kernel": kernel, "guideway, whole": product, "guideway, jerk-limited": smooth}
+    ours = {
+        "guideway, kernel": kernel,
+        "guideway, kernel, torques": torqued,
+        "guideway, kernel, torques with viscous friction": rubbed,
+        "guideway, whole": product,
+        "guideway, jerk-limited": smooth,
+    }
     peers: dict[str, Callable[..., tuple[float, float, float]]] = {
         "copp-py topp2_ra": copp,
         "copp-py topp3_socp (jerk)": copp3,
@@ -197,7 +223,7 @@ def main() -> int:
         try:
             rows = [run(spline, s, args.reps) for spline in splines]
         except ImportError as error:
-            print(f"| {name} | not installed: {error.name} | | |")
+            print(f"| {name} | not installed: {error.name or error} | | |")
             continue
         spent, duration, worst = zip(*rows, strict=True)
         print(f"| {name} | {statistics.median(spent):.3f} | {statistics.mean(duration):.4f} | {max(worst):.5f} |", flush=True)

@@ -90,7 +90,7 @@ def test_the_branch_decides(arm):
 def test_deceleration_counts_against_the_motion(arm, star_path):
     motion = gw.arm.time(star_path, limits(10, deceleration=4.0), arm)
     checks = {check["limit"]: check["ratio"] for check in motion.report["certificate"]["checks"] if "ratio" in check}
-    assert checks["deceleration"] == pytest.approx(1.0, abs=1e-3)
+    assert checks["deceleration"] == pytest.approx(1.0, abs=1e-5)
     assert checks["acceleration"] > 0.9
 
 
@@ -128,9 +128,10 @@ def test_coulomb_friction_and_payload_cost_time(arm, star_path):
     assert torque == pytest.approx(1.0, abs=1e-4)
     assert any(name.startswith("torque of ") for name in slow.grid["active"])
     assert gw.arm.time(star_path, asked, held, torque=False).duration == pytest.approx(1.9097, rel=0.005)
-    for share in (0.2, 0.6):
+    for share in (0.155, 0.2, 0.343, 0.6):
         stopped = slow.stop_from(share * slow.duration)
-        assert stopped.report["brake"]["worst"] < 1e-2  # within a step in which a joint turns round
+        assert stopped.report["brake"]["worst"] < 1e-6
+        assert all(check["ratio"] < 1 + 5e-6 for check in stopped.certify(collisions=False)["checks"] if "ratio" in check)
         assert stopped.at(stopped.duration)["speed"] == pytest.approx(0.0, abs=1e-6)
 
 
@@ -160,9 +161,9 @@ def test_torque_limits_with_friction_give_the_reference_values(arm, star_path, a
 
 
 def test_friction_of_the_joint_that_stands_still_explains_the_last_reference_value(arm, star_path):
-    """Joint 5 does not move along the star: its speed is rounding noise. The reference's 2.1612 s charges it with 2 N m of Coulomb friction by the
-    sign of that noise, which is the one as often as the other: it lies half way between friction that always acts one way and friction that always acts
-    the other way (with the noise of our own spline and 1000 intervals it is 2.1594 s)."""
+    """Joint 5 does not move along the star: its speed is rounding noise. The reference's 2.1612 s charges it with 2 N m of Coulomb friction by
+    the sign of that noise, which is the one as often as the other: it lies half way between friction that always acts one way and friction that
+    always acts the other way (with the noise of our own spline and 1000 intervals it is 2.1594 s)."""
     loaded, path = arm.with_payload(5.0), star_path.path
     assert np.abs(path.eval(np.linspace(0.0, path.length, 2001), 1)[1][:, 4]).max() < 1e-12
     torques = gw.arm.torque_rows(loaded, path, limits(20, torque=gw.arm.STAR_TORQUE))

@@ -87,7 +87,7 @@ class _Course:
         self.a, self.b, self.c, self.d, self.low, self.high = (
             np.concatenate([part[key] for part in parts], axis=1) for key in ("a", "b", "c", "d", "low", "high")
         )
-        self.scale = np.where(np.isfinite(self.high - self.low), np.maximum(self.high - self.low, 1e-300), 1.0)
+        self.scale = np.where(np.isfinite(self.high - self.low), np.maximum(0.5 * (self.high - self.low), 1e-300), 1.0)
 
     def excess(self, k: int, u: float, x: float) -> float:
         """How far (u, x) is beyond the limits at place k, relative to them."""
@@ -104,8 +104,8 @@ class _Course:
 class _Steps:
     """The rows at both ends of the steps between places, each from within the step, and by how much they are tightened.
 
-    ``own`` are the squared path speeds of the motion that is braked, ``bend`` is how fast its path acceleration changes on each step (1/s2): where the
-    brake can only follow it, that must be followed too.
+    ``own`` are the squared path speeds of the motion that is braked, ``bend`` is how fast its path acceleration changes on each step (1/s2): where
+    the brake can only follow it, that must be followed too.
     """
 
     def __init__(self, motion: ArmMotion, s: Floats) -> None:
@@ -181,7 +181,7 @@ def _tightened(motion: ArmMotion, steps: _Steps, found: tuple[Floats, Floats, Fl
         excess = _excesses(motion, _pieces(*found, 0.0)).max(axis=1)
         if excess.max(initial=0.0) < least:
             best, least = found, float(excess.max(initial=0.0))
-        if least <= _SLACK:
+        if least <= 2 * _SLACK:
             break
         steps.tight[: len(excess)] += 1.1 * np.maximum(excess, 0.0)
         found = _descend(steps, float(found[1][0]), factor)[:3]
@@ -189,7 +189,7 @@ def _tightened(motion: ArmMotion, steps: _Steps, found: tuple[Floats, Floats, Fl
 
 
 def _descend(steps: _Steps, x0: float, factor: float) -> tuple[Floats, Floats, Floats, bool]:
-    """The hardest brake along the steps: places, squared path speeds and changes of the path acceleration until the target is met, and whether it is."""
+    """The hardest brake along the steps: places, squared path speeds, changes of the path acceleration until the target is met, whether it is."""
     s, own, aim = steps.s, steps.own, factor**2 * steps.own
     x, bends = [x0], list[float]()
     for k, step in enumerate(steps.length):

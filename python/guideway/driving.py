@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from guideway import _core, jobs, plants
 from guideway.errors import BadParameter
@@ -12,6 +14,10 @@ from guideway.records import Limits
 
 if TYPE_CHECKING:
     from guideway.plants import Plant
+
+
+TURN_RATE, TURN_ACCELERATION = 1.0, 2.0
+"""What a unicycle without limits of its own can do, rad/s and rad/s2."""
 
 
 @dataclass
@@ -79,13 +85,14 @@ def drive(
 def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
     """Drives and returns the record. On Ctrl-C the record is that of the run so far, with ``cancelled`` true."""
     plant = plants.make(drive.plant, drive.query, drive.trajectory, drive.seed)
+    drive = _turnable(drive) if plant is None else drive
     raw = _core.drive(
         drive.query,
         drive.trajectory,
         drive.controller,
         planner=drive.planner,
         seed=drive.seed,
-        set=drive.set or None,
+        set=_settings(drive, plant) or None,
         arrival=drive.arrival,
         stop_at_goal=drive.stop_at_goal,
         time_limit=drive.time_limit,
@@ -95,10 +102,37 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         plant=plant,
         observe=drive.observe,
         trace=drive.trace,
-        speed_map=None if drive.speed_mask is None else _core.SpeedMap.load(drive.speed_mask, drive.limits.speed),
+        speed_map=_speed_map(drive),
         mover_speed=drive.mover_speed,
     )
     return record(drive, raw, folder) | {"plant": plants.report_of(plant)}
+
+
+def _speed_map(drive: Drive) -> _core.SpeedMap | None:
+    return None if drive.speed_mask is None else _core.SpeedMap.load(drive.speed_mask, drive.limits.speed)
+
+
+def _turnable(drive: Drive) -> Drive:
+    """A motion timed without a limit of the turn rate that asks for more than the unicycle can do is timed anew with what it can.
+
+    Else the base would swing wide in every bend.
+    """
+    limits, motion = drive.limits, drive.trajectory
+    if limits.turn_rate is not None or motion.limits["turn_rate"] is not None or motion.among is not None or motion.duration <= 0.0:
+        return drive
+    states = motion.sample()
+    if float(np.abs(states[:, 4] * states[:, 7]).max()) <= TURN_RATE:
+        return drive
+    limits = replace(limits, turn_rate=TURN_RATE, turn_acceleration=limits.turn_acceleration or TURN_ACCELERATION)
+    yaws = {"start_yaw": drive.query.start_yaw, "goal_yaw": drive.query.goal_yaw}
+    return replace(drive, trajectory=_core.time(motion.path, limits, speed_map=_speed_map(drive), **yaws), limits=limits)
+
+
+def _settings(drive: Drive, plant: object) -> dict[str, Any]:
+    """The parameters of the controller: where it has a bound of the error of its model and none is given, that of the plant, if it names one."""
+    error = getattr(plant, "error", None)
+    known = {p["name"] for entry in _core.controllers() if entry["name"] == drive.controller for p in entry["parameters"]}
+    return drive.set if error is None or "error" not in known else {"error": error} | drive.set
 
 
 def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) -> dict[str, Any]:

@@ -64,6 +64,29 @@ def test_what_an_object_measured_is_in_the_record(corridor):
     assert gw.drive(*corridor, "tracker", plant=plant)["plant"] == {"name": "cart", "wear": 0.5}
 
 
+def test_an_object_says_how_far_it_is_from_the_model_of_a_base(corridor):
+    plant = Exact((0.5, 0.0, 0.0))
+    plant.error = -1.0
+    with pytest.raises(gw.BadParameter, match=r"improved-dwa\.error"):
+        gw.drive(*corridor, plant=plant)
+    assert gw.drive(*corridor, plant=plant, set={"error": 0.01})["outcome"] == "arrived"
+    assert gw.drive(*corridor, "tracker", plant=Exact((0.5, 0.0, 0.0)))["outcome"] == "arrived"
+
+
+def test_a_motion_that_turns_faster_than_the_base_is_timed_anew():
+    world = gw.World(bounds=(0, 0, 10, 10), shapes=[{"disc": {"center": [5.0, 4.6], "radius": 0.4}}])
+    query = gw.Query(world, (1.0, 5.0), (9.0, 5.0), via=[(5.0, 5.5), (5.5, 4.0)], footprint=gw.Disc(0.25), clearance=0.05)
+    path, limits = gw.refine(gw.plan(query).path, query).path, gw.Limits(1.0, 1.0, jerk=5.0)
+    fast, slow = gw.time(path, limits), gw.time(path, gw.Limits(1.0, 1.0, jerk=5.0, turn_rate=1.0, turn_acceleration=2.0))
+    states = fast.sample()
+    assert np.abs(states[:, 4] * states[:, 7]).max() > 1.1
+    run, again = (gw.drive(query, motion, "tracker") for motion in (fast, slow))
+    assert run["driven"] == again["driven"]
+    assert (run["outcome"], run["plan"]["duration"], run["robot"]["turn_rate"]) == ("arrived", slow.duration, 1.0)
+    # a plant of one's own may turn as it likes
+    assert gw.drive(query, fast, "tracker", plant=Exact((*query.start, fast.at(0.0)["pose"][2])))["plan"]["duration"] == fast.duration
+
+
 def test_what_an_object_raises_is_raised_at_once(corridor):
     class Broken(Exact):
         def step(self, v, w, dt):
@@ -282,7 +305,9 @@ class TestMuJoCo:
         world = gw.scenes.load("w0", seed=0).query("dynamic").world
         query = gw.Query(world, (0.0, 0.0), (5.0, 3.0), footprint=gw.Disc(0.25), clearance=0.05)
         motion = gw.time(gw.plan(query).path, gw.Limits(1.0, 1.0, jerk=4.0, turn_rate=2.0, turn_acceleration=4.0))
-        run = gw.drive(query, motion, plant="mujoco", seed=0, set={"error": 0.04})  # springs let the body lean out of its footprint
+        run = gw.drive(query, motion, plant="mujoco", seed=0)  # springs let the body lean out of its footprint: error is 0.04
+        again = gw.drive(query, motion, plant="mujoco", seed=0, set={"error": 0.04}, time_limit=2.0)
+        assert run["driven"][:100] == again["driven"][:100]
         assert (run["outcome"], run["collision"]) == ("arrived", None)
         assert run["min_separation"] > 0.0
         assert run["plant"]["contacts"] == 0

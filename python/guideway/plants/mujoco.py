@@ -51,6 +51,8 @@ class MobileBase:
     """
 
     name = "mujoco"
+    error = 0.04
+    """How far the body, which leans on its springs, may be from the model that controllers have of it, m."""
 
     def __init__(
         self,

@@ -29,30 +29,46 @@ pub(super) struct Blob {
     pub radius: f64,
     /// First and one past the last of its dots.
     pub dots: [usize; 2],
+    /// It may go on where nothing can be seen: beyond the last ray, or behind something nearer.
+    pub cut: bool,
 }
 
-/// The groups among `dots` (in the order of their rays), seen from `origin` with `step` rad from ray to ray; `closed`: the last ray is beside the first.
-pub(super) fn blobs(dots: &[Dot], origin: Point, (step, rays, closed): (f64, usize, bool), out: &mut Vec<Blob>) {
+/// The groups among `dots` (in the order of their rays), seen from `origin` with `step` rad from ray to ray of these `ranges`; `closed`: the last ray is beside the first.
+pub(super) fn blobs(dots: &[Dot], origin: Point, (step, ranges, closed): (f64, &[f64], bool), out: &mut Vec<Blob>) {
     out.clear();
     let mut from = 0;
     for i in 1..=dots.len() {
         let ends =
             i == dots.len() || apart(&dots[i - 1], &dots[i], dots[i].ray - dots[i - 1].ray, step) || distance(dots[from].at, dots[i].at) > LONG;
         if ends && from < i {
-            out.push(blob(&dots[from..i], origin, (step, [from, i])));
+            let part = &dots[from..i];
+            let cut = hidden(&part[0], -1, (ranges, closed)) || hidden(&part[part.len() - 1], 1, (ranges, closed));
+            out.push(Blob { cut, ..blob(part, origin, (step, [from, i])) });
             from = i;
         }
     }
     // Over the seam of a full circle.
     if let (true, [first, .., last]) = (closed, &out[..]) {
         let (a, b) = (&dots[dots.len() - 1], &dots[0]);
-        if !apart(a, b, b.ray + rays - a.ray, step) {
+        if !apart(a, b, b.ray + ranges.len() - a.ray, step) {
             let joined = join(first, last);
             let n = out.len();
             out[0] = joined;
             out.truncate(n - 1);
         }
     }
+}
+
+/// Is what lies beside a dot, on the side of the next (1) or the previous (-1) ray, hidden?
+fn hidden(dot: &Dot, side: isize, (ranges, closed): (&[f64], bool)) -> bool {
+    let n = ranges.len();
+    let beside = match dot.ray.checked_add_signed(side).filter(|k| *k < n) {
+        Some(k) => k,
+        None if closed => (dot.ray + n).saturating_add_signed(side) % n,
+        None => return true,
+    };
+    // A ray that measured nothing tells nothing.
+    ranges[beside].is_nan() || ranges[beside] < dot.range - JUMP
 }
 
 fn apart(a: &Dot, b: &Dot, rays: usize, step: f64) -> bool {
@@ -70,7 +86,7 @@ fn blob(dots: &[Dot], origin: Point, (step, span): (f64, [usize; 2])) -> Blob {
     let u = middle(first, last, origin);
     let center = [origin[0] + (near + wide) * u[0], origin[1] + (near + wide) * u[1]];
     let around = dots.iter().map(|d| distance(d.at, center)).fold(0.0, f64::max);
-    Blob { center, radius: wide.max(around), dots: span }
+    Blob { center, radius: wide.max(around), dots: span, cut: false }
 }
 
 /// Unit vector halfway between the rays of two dots.
@@ -88,5 +104,5 @@ fn join(a: &Blob, b: &Blob) -> Blob {
     let radius = (0.5 * (d + a.radius + b.radius)).max(a.radius).max(b.radius);
     let r = if d > 0.0 { ((radius - a.radius) / d).clamp(0.0, 1.0) } else { 0.0 };
     let center = [a.center[0] + r * (b.center[0] - a.center[0]), a.center[1] + r * (b.center[1] - a.center[1])];
-    Blob { center, radius, dots: a.dots }
+    Blob { center, radius, dots: a.dots, cut: a.cut || b.cut }
 }

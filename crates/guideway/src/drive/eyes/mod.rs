@@ -41,8 +41,6 @@ pub struct Eyes {
     map: LocalMap,
     filter: Filter,
     tracks: Tracks,
-    /// Top speed of what moves here, m/s, where it is known.
-    mover_speed: Option<f64>,
     /// Time of the newest good scan, s.
     last: Option<f64>,
     /// Time of the newest observation, s.
@@ -63,8 +61,7 @@ impl Eyes {
             base: map_known.then(|| (Arc::clone(world), world.clearance_field())),
             map: LocalMap::new(world, map_known)?,
             filter: Filter::new(TRUST),
-            tracks: Tracks::default(),
-            mover_speed: None,
+            tracks: Tracks::new(None),
             last: None,
             now: f64::NEG_INFINITY,
             scan: None,
@@ -80,7 +77,7 @@ impl Eyes {
         if let Some(speed) = mover_speed.filter(|v| !(0.0..=FASTEST).contains(v)) {
             return Err(PlanError::bad("mover_speed", speed, format!("0 to {FASTEST} m/s")));
         }
-        self.mover_speed = mover_speed;
+        self.tracks = Tracks::new(mover_speed);
         Ok(self)
     }
 
@@ -107,7 +104,7 @@ impl Eyes {
         seen.scan.clone_from(&self.scan);
         seen.known = self.map.world().cloned();
         seen.tracks.clear();
-        seen.tracks.extend(self.tracks.told(seen.time, self.mover_speed));
+        seen.tracks.extend(self.tracks.told(seen.time));
     }
 
     /// Time goes on to `now`; after a leap everything that moves is forgotten.
@@ -134,7 +131,7 @@ impl Eyes {
         self.tracks.predict(scan.time);
         self.unexplained(pose, &scan);
         let closed = scan.step * self.beams as f64 > TAU - 1.5 * scan.step;
-        blobs(&self.dots, origin, (scan.step, self.beams, closed), &mut self.blobs);
+        blobs(&self.dots, origin, (scan.step, &scan.ranges, closed), &mut self.blobs);
         let open = |p: Point, radius: f64| {
             let angle = (p[1] - origin[1]).atan2(p[0] - origin[0]) - pose[2] - scan.first;
             let ray = (angle.rem_euclid(TAU) / scan.step).round() as usize;

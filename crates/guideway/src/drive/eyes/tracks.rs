@@ -29,6 +29,15 @@ const SETTLED: f64 = 1.0;
 /// Where nobody says how fast things may move here: so fast, m/s, or so many times their speed.
 const WALK: f64 = 1.0;
 const HASTE: f64 = 1.2;
+/// Where it is known how fast things may move here: what is hidden is remembered for so long, s; it goes on as it did for so long, s.
+const LURKING: f64 = 3.0;
+const STEADY: f64 = 0.3;
+/// Standard deviation of the centre of what is seen in part, m.
+const CUT: f64 = 0.25;
+/// Farther than so many standard deviations from where it was expected, it has turned.
+const SURPRISE: f64 = 2.0;
+/// What comes into sight may be what was hidden if that could be so near, m.
+const BESIDE: f64 = 0.5;
 /// Speeds known worse than this are not told, m/s.
 const VAGUE: f64 = 0.8;
 /// The outline shrinks by this share of the difference per scan, and grows by that.
@@ -44,6 +53,8 @@ pub(super) struct Known {
     pub radius: f64,
     /// Variances of place and speed and their covariance.
     p: [f64; 3],
+    /// Where it was when it was seen last, and how far it may have been from there, m.
+    last: (Point, f64),
     /// Time of the state, s.
     time: f64,
     /// Time last seen, s.
@@ -56,14 +67,15 @@ pub(super) struct Known {
 }
 
 impl Known {
-    fn new(id: usize, blob: &Blob, time: f64) -> Self {
-        let r = noise(blob);
+    fn new(id: usize, blob: &Blob, (time, strict): (f64, bool)) -> Self {
+        let r = noise(blob, strict);
         Self {
             id,
             place: blob.center,
             velocity: [0.0; 2],
             radius: blob.radius,
             p: [r, PACE * PACE, 0.0],
+            last: (blob.center, 3.0 * r.sqrt()),
             time,
             seen: time,
             anchor: (blob.center, time),
@@ -82,9 +94,15 @@ impl Known {
         self.time = time;
     }
 
-    fn correct(&mut self, blob: &Blob) {
+    /// Takes a look into account; `strict` where the top speed is known.
+    fn correct(&mut self, blob: &Blob, strict: bool) {
+        let r = noise(blob, strict);
+        if strict && distance(self.place, blob.center).powi(2) > SURPRISE * SURPRISE * (self.p[0] + r) {
+            // It turns: nothing is known of its speed any more, and of its place what is seen.
+            self.p = [self.p[0] + r, PACE * PACE, self.p[2]];
+        }
         let [a, b, c] = self.p;
-        let s = a + noise(blob);
+        let s = a + r;
         let (k, l) = (a / s, c / s);
         for axis in 0..2 {
             let off = blob.center[axis] - self.place[axis];
@@ -92,11 +110,20 @@ impl Known {
             self.velocity[axis] += l * off;
         }
         self.p = [(1.0 - k) * a, b - l * c, (1.0 - k) * c];
-        self.radius += (blob.radius - self.radius) * if blob.radius > self.radius { GROW } else { SHRINK };
+        if !(strict && blob.cut && blob.radius < self.radius) {
+            self.radius += (blob.radius - self.radius) * if blob.radius > self.radius { GROW } else { SHRINK };
+        }
+        self.last = (self.place, 3.0 * self.p[0].max(0.0).sqrt() + if blob.cut { 0.0 } else { distance(self.place, blob.center) });
         (self.seen, self.misses, self.matched) = (self.time, 0, true);
         if distance(self.place, self.anchor.0) > STAYS {
             (self.anchor, self.moved) = ((self.place, self.time), true);
         }
+    }
+
+    /// Is it nowhere within `reach` (m) of where it was last seen?
+    fn gone(&self, reach: f64, open: &impl Fn(Point, f64) -> bool) -> bool {
+        let ([x, y], ring) = (self.last.0, (0..8).map(|k| (0.25 * f64::from(k) * std::f64::consts::PI).sin_cos()));
+        open(self.last.0, self.radius) && ring.into_iter().all(|(s, c)| open([x + reach * c, y + reach * s], self.radius))
     }
 
     fn speed(&self) -> f64 {
@@ -117,33 +144,42 @@ impl Known {
         }
     }
 
-    /// As controllers see it at `time`; `top` (m/s) is the largest speed of all that moves here, where it is known.
-    fn track(&self, time: f64, top: Option<f64>) -> Track {
-        let dt = time - self.time;
+    /// Where it is at `time`, how fast, and how far it may be from there: where the top speed is known nothing else is taken for granted.
+    fn state(&self, time: f64, top: Option<f64>) -> (Point, Point, f64) {
         let settled = self.settled();
         let sure = !settled && self.p[1] < VAGUE * VAGUE;
         let velocity = if sure { self.velocity } else { [0.0; 2] };
-        let place = [self.place[0] + dt * velocity[0], self.place[1] + dt * velocity[1]];
-        let spread = self.p[0] + if settled { 0.0 } else { dt * (2.0 * self.p[2] + dt * self.p[1]) };
-        Track {
-            id: self.id,
-            outline: Outline { points: vec![[0.0; 2]], radius: self.radius },
-            position: place,
-            velocity,
-            bound: self.bound(top),
-            doubt: 3.0 * spread.max(0.0).sqrt(),
+        if let (Some(top), false) = (top, settled) {
+            let hidden = (time - self.seen).max(0.0);
+            let fades = (-hidden / STEADY).exp();
+            let way = STEADY * (1.0 - fades);
+            let place = [self.last.0[0] + way * velocity[0], self.last.0[1] + way * velocity[1]];
+            let speed = velocity[0].hypot(velocity[1]);
+            return (place, velocity.map(|v| v * fades), self.last.1 + top * hidden + way * speed);
         }
+        let dt = time - self.time;
+        let spread = self.p[0] + if settled { 0.0 } else { dt * (2.0 * self.p[2] + dt * self.p[1]) };
+        ([self.place[0] + dt * velocity[0], self.place[1] + dt * velocity[1]], velocity, 3.0 * spread.max(0.0).sqrt())
+    }
+
+    /// As controllers see it at `time`; `top` (m/s) is the largest speed of all that moves here, where it is known.
+    fn track(&self, time: f64, top: Option<f64>) -> Track {
+        let (position, velocity, doubt) = self.state(time, top);
+        let outline = Outline { points: vec![[0.0; 2]], radius: self.radius };
+        Track { id: self.id, outline, position, velocity, bound: self.bound(top), doubt }
     }
 }
 
 /// Variance of the centre of a group, m2.
-fn noise(blob: &Blob) -> f64 {
-    (CENTER + HIDDEN * blob.radius).powi(2)
+fn noise(blob: &Blob, strict: bool) -> f64 {
+    (CENTER + HIDDEN * blob.radius + if strict && blob.cut { CUT } else { 0.0 }).powi(2)
 }
 
 /// All movers that are known.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Tracks {
+    /// Top speed of all that moves here, m/s, where it is known.
+    top: Option<f64>,
     all: Vec<Known>,
     next: usize,
     pairs: Vec<(f64, usize, usize)>,
@@ -151,6 +187,11 @@ pub(super) struct Tracks {
 }
 
 impl Tracks {
+    /// None yet.
+    pub fn new(top: Option<f64>) -> Self {
+        Self { top, all: Vec::new(), next: 0, pairs: Vec::new(), taken: Vec::new() }
+    }
+
     /// Forgets all; numbers are not used again.
     pub fn clear(&mut self) {
         self.all.clear();
@@ -180,7 +221,7 @@ impl Tracks {
         self.pairs.clear();
         for (i, known) in self.all.iter().enumerate() {
             for (j, blob) in blobs.iter().enumerate() {
-                let gate = (GATE * (known.p[0] + noise(blob)).sqrt()).clamp(NEAR, FAR);
+                let gate = (GATE * (known.p[0] + noise(blob, self.top.is_some())).sqrt()).clamp(NEAR, FAR);
                 let off = distance(known.place, blob.center);
                 if off < gate {
                     self.pairs.push((off, i, j));
@@ -190,26 +231,53 @@ impl Tracks {
         self.pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
         for &(_, i, j) in &self.pairs {
             if !self.all[i].matched && !self.taken[j] {
-                self.all[i].correct(&blobs[j]);
+                self.all[i].correct(&blobs[j], self.top.is_some());
                 self.taken[j] = true;
             }
         }
-        for known in self.all.iter_mut().filter(|k| !k.matched) {
-            known.misses += u32::from(open(known.place, known.radius));
+        if let Some(top) = self.top {
+            self.found_again(blobs, (time, top));
         }
-        self.all.retain(|k| k.misses < MISSES && time - k.seen < if k.moved { HIDING } else { FADES });
+        let top = self.top;
+        for known in self.all.iter_mut().filter(|k| !k.matched) {
+            known.misses += u32::from(match top {
+                Some(top) => known.gone(top * (time - known.seen), &open),
+                None => open(known.place, known.radius),
+            });
+        }
+        let hiding = if top.is_some() { LURKING } else { HIDING };
+        self.all.retain(|k| k.misses < MISSES && time - k.seen < if k.moved { hiding } else { FADES });
         for (j, blob) in blobs.iter().enumerate() {
             // A part of a mover that something else splits is no mover of its own.
             let part = self.all.iter().any(|k| distance(k.place, blob.center) < k.radius);
             if !self.taken[j] && !part {
-                self.all.push(Known::new(self.next, blob, time));
+                self.all.push(Known::new(self.next, blob, (time, self.top.is_some())));
                 self.next += 1;
             }
         }
     }
 
+    /// What comes into sight where something that is missed could be by now is that, the nearest first.
+    fn found_again(&mut self, blobs: &[Blob], (time, top): (f64, f64)) {
+        self.pairs.clear();
+        for (i, known) in self.all.iter().enumerate().filter(|(_, k)| !k.matched && k.moved) {
+            let reach = top * (time - known.seen) + BESIDE;
+            let off = |j: usize| distance(known.last.0, blobs[j].center);
+            self.pairs.extend((0..blobs.len()).filter(|j| !self.taken[*j] && off(*j) < reach).map(|j| (off(j), i, j)));
+        }
+        self.pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+        for &(_, i, j) in &self.pairs {
+            if !self.all[i].matched && !self.taken[j] {
+                let known = &mut self.all[i];
+                let fresh = Known::new(known.id, &blobs[j], (time, true));
+                *known = Known { moved: true, radius: known.radius.max(fresh.radius), ..fresh };
+                self.taken[j] = true;
+            }
+        }
+    }
+
     /// What controllers see at `time`, s.
-    pub fn told(&self, time: f64, top: Option<f64>) -> impl Iterator<Item = Track> + '_ {
-        self.all.iter().map(move |k| k.track(time, top))
+    pub fn told(&self, time: f64) -> impl Iterator<Item = Track> + '_ {
+        self.all.iter().map(move |k| k.track(time, self.top))
     }
 }

@@ -124,8 +124,9 @@ def _turnable(drive: Drive) -> Drive:
     if float(np.abs(states[:, 4] * states[:, 7]).max()) <= TURN_RATE:
         return drive
     limits = replace(limits, turn_rate=TURN_RATE, turn_acceleration=limits.turn_acceleration or TURN_ACCELERATION)
-    yaws = {"start_yaw": drive.query.start_yaw, "goal_yaw": drive.query.goal_yaw}
-    return replace(drive, trajectory=_core.time(motion.path, limits, speed_map=_speed_map(drive), **yaws), limits=limits)
+    query = drive.query
+    slower = _core.time(motion.path, limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=_speed_map(drive))
+    return replace(drive, trajectory=slower, limits=limits)
 
 
 def _settings(drive: Drive, plant: object) -> dict[str, Any]:

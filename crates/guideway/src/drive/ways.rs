@@ -1,10 +1,10 @@
 //! Manoeuvres, and what they lead to: predicted in (place, time) with the lags and limits of the base.
 
+use super::Robot;
 use super::crowd::{Around, Crowd, WIDE};
 use super::field::{Field, Met};
 use super::guard::{lagged, share};
 use super::local::Local;
-use super::{Robot, arc};
 use crate::world::shape::wrap;
 
 /// Integration step, s.
@@ -75,6 +75,37 @@ pub(super) struct Forecast {
     pub near: f64,
 }
 
+/// Sine and cosine of the heading that was asked for last: most steps begin where the one before ended.
+#[derive(Default)]
+struct Facing {
+    /// rad, and its sine and cosine.
+    known: Option<(u64, (f64, f64))>,
+}
+
+impl Facing {
+    fn sin_cos(&mut self, yaw: f64) -> (f64, f64) {
+        match self.known {
+            Some((bits, known)) if bits == yaw.to_bits() => known,
+            _ => {
+                let fresh = yaw.sin_cos();
+                self.known = Some((yaw.to_bits(), fresh));
+                fresh
+            }
+        }
+    }
+
+    /// As [`super::arc`], to the last bit.
+    fn arc(&mut self, [x, y, yaw]: [f64; 3], v: f64, w: f64, t: f64) -> [f64; 3] {
+        if w.abs() < 1e-6 {
+            let (s, c) = self.sin_cos(yaw + 0.5 * w * t);
+            return [x + v * t * c, y + v * t * s, yaw + w * t];
+        }
+        let (s0, c0) = self.sin_cos(yaw);
+        let (s1, c1) = self.sin_cos(yaw + w * t);
+        [x + v / w * (s1 - s0), y - v / w * (c1 - c0), yaw + w * t]
+    }
+}
+
 /// Predicts from one observation.
 pub(super) struct Predictor<'a> {
     pub field: &'a Field<'a>,
@@ -140,10 +171,10 @@ impl<'a> Predictor<'a> {
         let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
         let n = ((span[1] - span[0]) / STEP).round().max(1.0);
         let h = (span[1] - span[0]) / n;
-        let shares = self.lag.map(|lag| share(lag, h));
+        let (shares, mut facing) = (self.lag.map(|lag| share(lag, h)), Facing::default());
         for _ in 0..n as u32 {
             let (v, w) = self.wanted(way, &sim);
-            let moved = self.advance(&mut sim, [v, w], h, shares);
+            let moved = self.advance(&mut sim, [v, w], h, (shares, &mut facing));
             t += h;
             slack -= moved;
             if slack <= 0.0 {
@@ -177,12 +208,12 @@ impl<'a> Predictor<'a> {
     }
 
     /// Moves on by one step; how far any point of the body has moved at most, m.
-    fn advance(&self, sim: &mut Sim, [v, w]: [f64; 2], h: f64, shares: [f64; 2]) -> f64 {
+    fn advance(&self, sim: &mut Sim, [v, w]: [f64; 2], h: f64, (shares, facing): ([f64; 2], &mut Facing)) -> f64 {
         let r = self.robot;
         let next = lagged([sim.v, v], shares[0], [r.acceleration, r.deceleration], h);
         let turn = lagged([sim.w, w], shares[1], [r.turn_acceleration; 2], h);
         let (mean, bend) = (0.5 * (sim.v + next), 0.5 * (sim.w + turn));
-        let [x, y, yaw] = arc(sim.pose, mean, bend, h);
+        let [x, y, yaw] = facing.arc(sim.pose, mean, bend, h);
         *sim = Sim { pose: [x, y, wrap(yaw)], v: next, w: turn, mark: self.local.nearest(sim.mark, [x, y]) };
         (mean.abs() + self.arm * bend.abs()) * h
     }
@@ -219,7 +250,7 @@ impl<'a> Predictor<'a> {
         let brake = sim.v.abs() / self.robot.deceleration;
         let far = 0.5 * sim.v * (self.stop[0] + brake);
         let [x, y, yaw] = sim.pose;
-        let pose = [x + far * yaw.cos(), y + far * yaw.sin(), yaw];
+        let pose = if far == 0.0 { sim.pose } else { [x + far * yaw.cos(), y + far * yaw.sin(), yaw] };
         // A mover that turns around goes back where it came from: one line for both.
         if self.field.undisturbed(pose, [t - EXPOSED, t + EXPOSED]) {
             return [0.0; 2];
@@ -247,4 +278,21 @@ pub(super) fn escapes(robot: &Robot, reverse: f64, sim: &Sim, level: usize) -> V
 fn approach(a: f64, left: f64) -> f64 {
     let soft = a / (SOFT * SOFT);
     if left < soft { SOFT * left } else { (2.0 * a * (left - 0.5 * soft)).sqrt() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::arc;
+
+    #[test]
+    fn arcs_with_headings_kept_in_mind_are_the_same_to_the_last_bit() {
+        let (mut facing, mut pose) = (Facing::default(), [1.0, -2.0, 0.3]);
+        for k in 0..500_u32 {
+            let w = [0.0, 0.7, -1.9, 1e-7, 0.02][k as usize % 5] * f64::from(k / 40);
+            let (found, exact) = (facing.arc(pose, 0.01 * f64::from(k), w, 0.1), arc(pose, 0.01 * f64::from(k), w, 0.1));
+            assert_eq!(found.map(f64::to_bits), exact.map(f64::to_bits));
+            pose = [exact[0], exact[1], wrap(exact[2])];
+        }
+    }
 }

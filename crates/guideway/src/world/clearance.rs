@@ -121,15 +121,29 @@ fn ring_scan(set: &Bits, q: Point, low: f64, mut best: f64) -> f64 {
     best
 }
 
+/// The largest integer that is not above `x`, without a call.
+#[inline]
+fn down(x: f64) -> i64 {
+    let whole = x as i64;
+    whole.saturating_sub(i64::from(whole as f64 > x))
+}
+
+/// The smallest integer that is not below `x`.
+#[inline]
+fn up(x: f64) -> i64 {
+    let whole = x as i64;
+    whole.saturating_add(i64::from((whole as f64) < x))
+}
+
 /// Smallest horizontal gap between `x` and a set square of row `j` that is at most `reach` away.
 #[inline]
 fn row_gap(set: &Bits, j: u32, x: f64, reach: f64) -> Option<f64> {
     let last = i64::from(set.width()) - 1;
-    let (low, high) = (((x - reach).ceil() - 1.0).max(0.0) as i64, ((x + reach).floor() as i64).min(last));
+    let (low, high) = ((up(x - reach).saturating_sub(1)).max(0), down(x + reach).min(last));
     if low > high {
         return None;
     }
-    let own = (x.floor() as i64).clamp(low, high) as u32;
+    let own = down(x).clamp(low, high) as u32;
     let right = set.first(j, own, high as u32, true).map(|k| (f64::from(k) - x).max(x - f64::from(k) - 1.0).max(0.0));
     let left = set.last(j, low as u32, own, true).map(|k| (x - f64::from(k) - 1.0).max(f64::from(k) - x).max(0.0));
     match (right, left) {

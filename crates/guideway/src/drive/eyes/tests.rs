@@ -252,6 +252,55 @@ fn the_top_speed_of_the_site_bounds_every_track() {
     }
 }
 
+/// A disc of 0.4 m that follows corners at 1.8 m/s.
+fn runner(corners: &[Point]) -> Mover {
+    let mut track = vec![[0.0, corners[0][0], corners[0][1]]];
+    for pair in corners.windows(2) {
+        let t = track[track.len() - 1][0] + distance(pair[0], pair[1]) / 1.8;
+        track.push([t, pair[1][0], pair[1][1]]);
+    }
+    disc(0.4, track)
+}
+
+#[test]
+fn where_the_top_speed_is_known_a_runner_stays_in_its_disc_in_sharp_turns() {
+    let mover = runner(&[[-3.0, 2.0], [0.0, 1.8], [1.5, 4.0], [3.0, 1.0], [2.0, -2.5], [-1.0, -2.0], [-3.0, -4.0], [-3.5, 0.0]]);
+    let held = |top: Option<f64>| {
+        let mut room = Room::new(Vec::new(), vec![mover.clone()], true);
+        room.eyes = room.eyes.with_mover_speed(top).unwrap();
+        let (mut held, mut ids) = (0, std::collections::BTreeSet::new());
+        for i in 0..1200 {
+            let t = 0.025 * f64::from(i);
+            let seen = room.step(t);
+            held += u32::from(i >= 40 && seen.tracks.iter().any(|track| holds(track, &mover, t)));
+            ids.extend(seen.tracks.iter().map(|track| track.id));
+        }
+        (f64::from(held) / 1160.0, ids.len())
+    };
+    let (known, guessed) = (held(Some(1.8)), held(None));
+    assert!(known.0 > 0.99 && known.1 == 1, "{known:?} {guessed:?}");
+    assert!(guessed.0 < known.0 && guessed.1 > 1, "else there would be no need: {guessed:?}");
+}
+
+#[test]
+fn where_the_top_speed_is_known_a_runner_that_is_hidden_may_be_anywhere_that_it_could_reach() {
+    // It runs behind a pillar, turns there and comes back.
+    let mover = runner(&[[3.5, -4.0], [3.5, 0.0]]);
+    let mut room = Room::new(vec![Shape::disc([1.0, 0.0], 0.5).unwrap()], vec![mover.clone()], true);
+    room.eyes = room.eyes.with_mover_speed(Some(1.8)).unwrap();
+    let (mut hidden, mut ids) = (0, std::collections::BTreeSet::new());
+    for i in 0..160 {
+        let t = 0.025 * f64::from(i);
+        let seen = room.step(t);
+        if t > 0.5 {
+            assert!(seen.tracks.iter().any(|track| holds(track, &mover, t)), "{t}: {:?}", seen.tracks);
+            hidden += u32::from(seen.tracks.iter().all(|track| track.doubt > 0.5));
+            ids.extend(seen.tracks.iter().map(|track| track.id));
+        }
+    }
+    assert!(hidden > 20 && ids.len() == 1, "{hidden} {ids:?}");
+}
+
 #[test]
 fn an_obstacle_on_the_robot_is_told() {
     // Beside the lidar it is a mover, over it there is nothing to be seen.

@@ -86,6 +86,9 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
     })
 }
 
+/// The static world, and lower bounds of its clearance.
+type Known<'a> = (&'a World, &'a Rooms);
+
 /// What was done before.
 struct Last {
     command: Command,
@@ -247,14 +250,14 @@ impl Planning {
         if let Some(decision) = self.pick((&plans, &firsts, true), &predictor, &guard, (&start, seen)) {
             return decision;
         }
-        self.escape(guide, world, (predictor, &guard), (start, seen))
+        self.escape(guide, (world, rooms), (predictor, &guard), (start, seen))
     }
 
     /// Where all plans with full margins meet something: the best way out with small ones.
-    fn escape(&mut self, guide: &Guide, world: &World, (before, guard): (Predictor, &Guard), (start, seen): (Sim, &Observation)) -> Decision {
+    fn escape(&mut self, guide: &Guide, (world, rooms): Known, (before, guard): (Predictor, &Guard), (start, seen): (Sim, &Observation)) -> Decision {
         let (robot, body) = (before.robot, &self.body.clone());
         let tight = Margins { still: self.margins.still.min(TIGHT), moving: TIGHT, growth: 0.0 };
-        let field = Field::new(world, robot, body, seen, (tight, self.p.horizon + PARK));
+        let field = Field::new(world, robot, body, seen, (tight, self.p.horizon + PARK)).with_rooms(rooms);
         let stop = [before.stop[0] - SLOW, self.p.error + TIGHT];
         let predictor = Predictor { field: &field, stop, ..before };
         let firsts = escapes(robot, self.p.reverse, &start, 0);

@@ -13,20 +13,29 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from scipy import ndimage, stats
 from tqdm import tqdm
 
 import guideway as gw
 
 Row = dict[str, Any]
+Floats = npt.NDArray[np.float64]
 DOCS = Path(__file__).parents[2] / "docs" / "experiments.md"
 PAPER = {"preset": "paper"}
+LITERAL = {"heading": 0.08, "path": 0.45, "aim": 0.1, "room": "least", "clear": True}
 CASES: dict[str, tuple[str, dict[str, Any], str]] = {
     "classic": ("dwa", {"safety": 0.35}, "paper"),
     "improved": ("improved-dwa", PAPER, "paper"),
+    "no path term": ("improved-dwa", PAPER | {"path": 0.0}, "paper"),
+    "classic, centred": ("dwa", {"safety": 0.35, "centred": True}, "paper"),
+    "improved, centred": ("improved-dwa", PAPER | {"centred": True}, "paper"),
+    "first reading": ("improved-dwa", PAPER | LITERAL, "paper"),
     "default": ("improved-dwa", {}, "default"),
 }
 """Controller, its settings, and the robot."""
+PAIRS = [("improved", "classic"), ("improved", "no path term"), ("improved, centred", "classic, centred"), ("first reading", "classic")]
+"""What is compared on the scenes that both have."""
 CELL, TICK, RADIUS = 0.1, 0.1, 0.2
 NEAR = 1.5
 """A mover nearer than this, m, is avoided."""
@@ -86,6 +95,16 @@ def deviation(run: Row, scene: gw.scenes.RoomScene) -> float | None:
     return float(np.hypot(*np.moveaxis(p - a - r[..., None] * e, -1, 0)).min(1).mean())
 
 
+def driven_into(run: Row, scene: gw.scenes.RoomScene) -> bool:
+    """Would a robot that is parked where this one was hit be hit as well: does the mover come towards it?"""
+    kind, _, number = run["collision"]["with"].partition(" ")
+    if kind != "mover":
+        return False
+    mover, t = scene.scene.movers[int(number)], run["collision"]["t"]
+    (x, y), (before, after) = run["driven"][-1][1:3], [place(mover, t + h) for h in (-0.01, 0.01)]
+    return mover.appears is None and math.dist(after, (x, y)) < math.dist(before, (x, y))
+
+
 def driven(task: tuple[int, str]) -> Row:
     """One drive."""
     seed, case = task
@@ -97,7 +116,8 @@ def driven(task: tuple[int, str]) -> Row:
     run = gw.drive(scene.query(), motion, controller, set=settings, seed=seed, arrival=0.2, time_limit=limit)
     hit = run["collision"]
     row = {"seed": seed, "case": case, "outcome": run["outcome"], "time": run["time"], "planned": motion.duration, "replans": run["replans"]}
-    row |= {"moving": bool(hit and not hit["unavoidable"]), "parked": bool(hit and hit["unavoidable"])}
+    row |= {"moving": bool(hit and not hit["unavoidable"]), "parked": bool(hit and hit["unavoidable"]), "with": hit and hit["with"]}
+    row |= {"into": bool(hit and driven_into(run, scene)), "length": run["tracking"]["length"], "still": run["separation"]["static"]}
     row |= {"deviation": deviation(run, scene), "separation": run["separation"]["movers"], "step": run["step_seconds"]["p50"]}
     if case == "default":
         row["way"] = way_exists(scene, limit)
@@ -120,14 +140,21 @@ def report(rows: list[Row]) -> str:
     """The tables."""
     by = {case: {r["seed"]: r for r in rows if r["case"] == case} for case in CASES}
     by = {case: rows for case, rows in by.items() if rows}
-    lines = ["| | arrived | hit while moving | hit while parked | mean time, s | mean deviation after avoidance, m |", "|---|---|---|---|---|---|"]
+    named = "arrived | hit while moving | of these driven into | hit while parked | hits per 100 m | per arrival | mean time, s"
+    lines = [f"| | {named} | mean deviation after avoidance, m |"]
+    lines += ["|---" * 9 + "|"]
     for case, all_ in by.items():
         n, some = len(all_), list(all_.values())
         there = [r["time"] for r in some if r["outcome"] == "arrived"]
         off = [r["deviation"] for r in some if r["deviation"] is not None]
-        shares = [wilson(sum(r[k] for r in some), n) for k in ("moving", "parked")]
-        lines.append(f"| {case} | {wilson(len(there), n)} | {shares[0]} | {shares[1]} | {mean(there, 1)} | {mean(off, 3)} |")
-    lines += paired(by.get("improved", {}), by.get("classic", {}))
+        moving, parked = (sum(r[k] for r in some) for k in ("moving", "parked"))
+        into = sum(r["into"] and r["moving"] for r in some)
+        hits, metres = moving + parked, sum(r["length"] for r in some)
+        rates = f"{100 * hits / metres:.2f} | {hits / len(there):.2f}" if there else f"{100 * hits / metres:.2f} | -"
+        cells = f"{wilson(len(there), n)} | {wilson(moving, n)} | {into} | {wilson(parked, n)} | {rates}"
+        lines.append(f"| {case} | {cells} | {mean(there, 1)} | {mean(off, 3)} |")
+    for one, other in PAIRS:
+        lines += paired((one, other), by.get(one, {}), by.get(other, {}))
     way = [r for r in by.get("default", {}).values() if r["way"]]
     if way:
         lines += ["", f"default, where a way exists: arrived {wilson(sum(r['outcome'] == 'arrived' for r in way), len(way))}"]
@@ -135,27 +162,39 @@ def report(rows: list[Row]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def paired(new: dict[int, Row], old: dict[int, Row]) -> list[str]:
-    """The two windows on the scenes that both have: deviation (Wilcoxon, A12) and what became of the runs (McNemar, exact)."""
-    lines, seeds = [""], sorted(new.keys() & old.keys())
-    both = [(new[s]["deviation"], old[s]["deviation"]) for s in seeds if new[s]["deviation"] is not None and old[s]["deviation"] is not None]
-    if both:
-        a, b = np.array(both).T
-        a12 = (np.sum(a[:, None] < b[None]) + 0.5 * np.sum(a[:, None] == b[None])) / len(a) ** 2
-        p = float(np.asarray(stats.wilcoxon(a, b))[1])
-        lines += [
-            f"improved against classic, {len(both)} scenes: deviation {a.mean():.3f} and {b.mean():.3f} m, Wilcoxon p = {p:.2g}, A12 = {a12:.3f}",
-            "",
-        ]
+def compared(a: Floats, b: Floats) -> str:
+    """Means, the paired difference with its 95 % interval, Wilcoxon, and how often a value of the first is the lower one (A12)."""
+    d = a - b
+    half = float(stats.t.ppf(0.975, len(d) - 1)) * d.std(ddof=1) / math.sqrt(len(d))
+    a12 = (np.sum(a[:, None] < b[None]) + 0.5 * np.sum(a[:, None] == b[None])) / len(a) ** 2
+    p = float(np.asarray(stats.wilcoxon(a, b))[1])
+    change = f"paired difference {d.mean():.3f} m ({d.mean() - half:.3f} to {d.mean() + half:.3f}), median {np.median(d):.3f}"
+    return f"{a.mean():.3f} and {b.mean():.3f} m, {change}, Wilcoxon p = {p:.2g}, A12 = {a12:.3f}"
+
+
+def paired(names: tuple[str, str], new: dict[int, Row], old: dict[int, Row]) -> list[str]:
+    """Two cases on the scenes that both have: deviation and what became of the runs (McNemar, exact)."""
+    seeds = sorted(new.keys() & old.keys())
+    if not seeds:
+        return []
+    lines = ["", f"**{names[0]} against {names[1]}**, {len(seeds)} scenes", ""]
+    met = [s for s in seeds if new[s]["deviation"] is not None and old[s]["deviation"] is not None]
+    arrived = [s for s in met if new[s]["outcome"] == old[s]["outcome"] == "arrived"]
+    for chosen, what in ((met, "both met a mover"), (arrived, "both arrived")):
+        if len(chosen) > 5:
+            a, b = np.array([(new[s]["deviation"], old[s]["deviation"]) for s in chosen]).T
+            lines += [f"- deviation where {what} ({len(chosen)}): {compared(a, b)}"]
     for name, test in (
         ("hit", lambda r: r["moving"] or r["parked"]),
         ("hit while moving", lambda r: r["moving"]),
+        ("hit while moving, not driven into", lambda r: r["moving"] and not r["into"]),
+        ("hit while parked", lambda r: r["parked"]),
         ("arrived", lambda r: r["outcome"] == "arrived"),
     ):
         one, other = (sum(test(x[s]) and not test(y[s]) for s in seeds) for x, y in ((new, old), (old, new)))
         if one + other:
             p = stats.binomtest(one, one + other).pvalue
-            lines += [f"{name}: only improved {one}, only classic {other} of {len(seeds)} scenes, McNemar p = {p:.2g}", ""]
+            lines += [f"- {name}: only the first {one}, only the second {other}, McNemar p = {p:.2g}"]
     return lines
 
 
@@ -163,7 +202,7 @@ def write_docs(text: str, cases: list[str]) -> None:
     """Puts the tables into docs/experiments.md."""
     begin, end = "<!-- begin avoidance -->\n", "<!-- end avoidance -->"
     head, rest = DOCS.read_text("utf-8").split(begin)
-    made = f"Made by `python experiments/driving/avoidance.py --cases {' '.join(cases)} --docs`.\n\n"
+    made = f"Made by `python experiments/driving/avoidance.py --cases {' '.join(c if c.isidentifier() else repr(c) for c in cases)} --docs`.\n\n"
     DOCS.write_text(head + begin + made + text + end + rest.split(end, 1)[1], "utf-8")
 
 
@@ -185,7 +224,7 @@ def main() -> None:
             out.write(json.dumps(row) + "\n")
             out.flush()
             rows.append(row)
-    text = report(rows)
+    text = report([r for r in rows if r["case"] in given.cases])
     print(text)
     if given.docs:
         write_docs(text, given.cases)

@@ -31,6 +31,11 @@ impl Body {
         Self { discs, reach: outline.circumscribed(), inscribed: footprint.inscribed(), outline }
     }
 
+    /// What of a distance from the reference point is left beyond the hull, m.
+    pub fn beyond(&self, distance: f64) -> f64 {
+        (distance - self.reach).max(0.0)
+    }
+
     /// Is it a disc around the reference point?
     pub fn round(&self) -> bool {
         self.outline.points.len() == 1

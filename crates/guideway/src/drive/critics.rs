@@ -88,6 +88,11 @@ impl Weights {
         let order = |a: &(usize, &Candidate), b: &(usize, &Candidate)| total[a.0].total_cmp(&total[b.0]).then(a.1.v.total_cmp(&b.1.v));
         all.iter().enumerate().max_by(order).map(|(_, c)| c)
     }
+
+    /// As [`Weights::best`], by the weighted sum of the scores as they are.
+    pub fn best_total<'c>(&self, all: &'c [Candidate]) -> Option<&'c Candidate> {
+        all.iter().max_by(|a, b| self.total(a).total_cmp(&self.total(b)).then(a.v.total_cmp(&b.v)))
+    }
 }
 
 #[cfg(test)]

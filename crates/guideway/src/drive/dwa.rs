@@ -42,6 +42,8 @@ pub struct Dwa {
     pub turns: u32,
     /// Distance kept to obstacles, m.
     pub safety: f64,
+    /// Is `safety` measured from the reference point, not from the hull?
+    pub centred: bool,
     /// The target is so far ahead on the path, m.
     pub look_ahead: f64,
     /// Trust in each observed pose against odometry, 0 to 1.
@@ -62,6 +64,7 @@ impl Default for Dwa {
             speeds: 11,
             turns: 21,
             safety: 0.05,
+            centred: false,
             look_ahead: 1.0,
             trust: 0.2,
             patience: 6.0,
@@ -170,7 +173,8 @@ impl Controller for Window {
 
 impl Window {
     fn choose(&self, seen: &Observation, target: [f64; 2], left: f64) -> Decision {
-        let margins = Margins { still: self.p.safety, moving: self.p.safety, growth: 0.0 };
+        let safety = if self.p.centred { self.body.beyond(self.p.safety) } else { self.p.safety };
+        let margins = Margins { still: safety, moving: safety, growth: 0.0 };
         let world = seen.known.as_deref().unwrap_or(&self.setup.world);
         let (robot, cap) = (&self.setup.robot, self.setup.robot.speed * self.p.horizon);
         let field = Field::new(world, robot, &self.body, seen, (margins, self.p.horizon));

@@ -5,6 +5,9 @@
 
 mod paper;
 mod plan;
+mod readings;
+
+pub use readings::{Divide, Room};
 
 use super::critics::Weights;
 use super::{Controller, Setup};
@@ -15,6 +18,7 @@ use serde::{Deserialize, Serialize};
 /// Parameters of the improved dynamic window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches, each a parameter of its own")]
 pub struct ImprovedDwa {
     /// Whose settings.
     pub preset: Preset,
@@ -52,6 +56,20 @@ pub struct ImprovedDwa {
     pub turn_step: f64,
     /// Above this speed the robot brakes when obstacles are nearer than `safety`, below it turns in place, m/s.
     pub emergency: f64,
+    /// What `dist` is (`preset=paper`).
+    pub room: Room,
+    /// Distances count up to this in `dist`, m.
+    pub far: f64,
+    /// What the scores of a critic are divided by (`preset=paper`).
+    pub divide: Divide,
+    /// The heading to the sub-goal is judged so long ahead, s.
+    pub aim: f64,
+    /// Is `safety` measured from the reference point, not from the hull?
+    pub centred: bool,
+    /// Below `emergency`, nearer than `safety`: turns in place towards the sub-goal; else the window goes on.
+    pub pivot: bool,
+    /// Arcs on which anything is met within `horizon` are out; else those on which the robot could not stop before it.
+    pub clear: bool,
     /// Only commands after which a full brake ends before anything can be met.
     pub guarantee: bool,
     /// Commanded speeds keep to the jerk of the robot, but for emergencies.
@@ -99,6 +117,13 @@ impl Default for ImprovedDwa {
             speed_step: 0.01,
             turn_step: 0.02,
             emergency: 0.2,
+            room: Room::Free,
+            far: 2.0,
+            divide: Divide::Sum,
+            aim: 1.0,
+            centred: false,
+            pivot: true,
+            clear: false,
             guarantee: true,
             jerk_limited: false,
             error: 0.015,
@@ -116,14 +141,14 @@ impl Default for ImprovedDwa {
 }
 
 impl ImprovedDwa {
-    /// The settings of the source.
+    /// The settings of the source; its four weights in the order of its objective.
     pub fn paper() -> Self {
         Self {
             preset: Preset::Paper,
-            heading: 0.08,
+            heading: 0.45,
             dist: 0.35,
             velocity: 0.12,
-            path: 0.45,
+            path: 0.08,
             to_go: 0.0,
             deviation: 0.0,
             near: 0.0,
@@ -158,6 +183,8 @@ impl ImprovedDwa {
             ("keep_on", self.keep_on),
             ("safety", self.safety.unwrap_or(0.0)),
             ("emergency", self.emergency),
+            ("far", self.far),
+            ("aim", self.aim),
             ("error", self.error),
             ("drift", self.drift),
             ("growth", self.growth),

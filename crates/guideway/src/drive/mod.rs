@@ -45,7 +45,7 @@ pub use dwa::Dwa;
 pub use execute::{Job, Sense, execute, execute_on};
 pub use eyes::Eyes;
 pub use guide::{Guide, Passing, SubGoals};
-pub use improved::ImprovedDwa;
+pub use improved::{Divide, ImprovedDwa, Room};
 pub use lidar::{Lidar, Scan};
 pub use navigator::OwnReplanner;
 pub use outline::Outline;

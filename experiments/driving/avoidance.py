@@ -128,7 +128,7 @@ def wilson(k: int, n: int) -> str:
     """A share with its 95 % interval."""
     z, p = 1.959964, k / max(n, 1)
     middle, half = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return f"{k} of {n} ({100 * (middle - half) / (1 + z * z / n):.1f} to {100 * (middle + half) / (1 + z * z / n):.1f} %)"
+    return f"{k} of {n} ({100 * max(0.0, middle - half) / (1 + z * z / n):.1f} to {100 * (middle + half) / (1 + z * z / n):.1f} %)"
 
 
 def mean(values: list[float], digits: int) -> str:

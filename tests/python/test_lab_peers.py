@@ -53,9 +53,9 @@ def test_ompl_in_a_grid_and_where_there_is_no_path() -> None:
 
 
 def test_ompl_needs_a_budget_and_no_via(room) -> None:
+    pytest.importorskip("ompl")
     with pytest.raises(BadParameter, match="budget"):
         peers.planner("ompl-rrt-star")(room, 0, gw.Budget(iterations=5))
-    pytest.importorskip("ompl")
     through = gw.Query(room.world, room.start, room.goal, via=[(1.0, 0.5)])
     with pytest.raises(gw.GuidewayError, match="via"):
         peers.planner("ompl-rrt-star")(through, 0, gw.Budget(evaluations=50))

@@ -190,7 +190,9 @@ def test_workers_end_with_a_coordinator_that_is_killed(tmp_path):
 
 def test_interrupted_it_says_how_to_go_on(tmp_path):
     path = experiment(tmp_path, SEARCHES.format(seeds=100))
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)  # a job in the background of a script ignores it, and so would its children
     process = command("run", path, "--out", tmp_path, "--workers", "1")
+    signal.signal(signal.SIGINT, before)
     while not lines(tmp_path / "searches.jsonl"):
         time.sleep(0.01)
         assert process.poll() is None

@@ -280,7 +280,7 @@ fn friction_that_turns_round_is_no_static_overload() {
     for method in [TopMethod::Reachability, TopMethod::Bisection] {
         for grid in [None, Some(10), Some(51), Some(1000)] {
             let mut demands = Demands { rows: Some(Box::new(rows)), ..Demands::default() };
-            let motion = time_joints(&path, &usual(), &TopOptions { grid, method, ..TopOptions::default() }, &mut demands).unwrap();
+            let motion = time_joints(&path, &usual(), &TopOptions { method, grid, ..TopOptions::default() }, &mut demands).unwrap();
             for i in 0..5000 {
                 let state = motion.at(motion.duration() * (f64::from(i) + 0.5) / 5000.0);
                 let row = rows(&[state.s]).unwrap();

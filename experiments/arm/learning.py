@@ -23,7 +23,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # runs are small: threads of the 
 import numpy as np
 from tqdm import tqdm
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "colonies"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import tables
 
 import guideway as gw

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "colonies"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import tables
 
 import guideway as gw
+from guideway.lab import statistics
 from guideway.plants import MobileBase, Settings, film
 
 Row = dict[str, Any]
@@ -107,8 +108,8 @@ def table(rows: list[Row], heights: Iterable[float]) -> str:
                 touched = sum(row["contacts"] > 0 for row in own)
                 cells = []
                 for key, (_, digits) in MEASURES.items():
-                    mean, half = tables.interval([row[key] for row in own])
-                    cells.append(f"{mean:.{digits}f} ± {half:.{digits}f}")
+                    found = statistics.describe([row[key] for row in own])
+                    cells.append("-" if found.high is None else f"{found.mean:.{digits}f} ± {found.high - found.mean:.{digits}f}")
                 planned, peak = (np.mean([row[key] for row in own]) for key in ("planned", "peak"))
                 lines.append([f"`{room}`", f"{height:g}", name, f"{arrived}/{len(own)}", f"{touched}", f"{planned:.2f}", f"{peak:.2f}", *cells])
     head = ["room", "c. of g. m", "motion", "arrived", "touched", "planned s", "peak m/s2", *(words for words, _ in MEASURES.values())]
@@ -124,9 +125,10 @@ def comparisons(rows: list[Row], heights: Iterable[float]) -> str:
             for name in MOTIONS
         }
         first, others = of[MOTIONS[0]], MOTIONS[1:]
-        ps = {key: tables.holm([tables.signed_rank(first[key], of[name][key]) for name in others]) for key in TESTED}
+        found = {key: [statistics.paired(first[key], of[name][key]) for name in others] for key in TESTED}
+        ps = {key: statistics.holm([each.p for each in found[key]]) for key in TESTED}
         for k, name in enumerate(others):
-            cells = [f"{tables.a12(first[key], of[name][key]):.2f} ({ps[key][k]:.2g})" for key in TESTED]
+            cells = [f"{found[key][k].a12:.2f} ({ps[key][k]:.2g})" for key in TESTED]
             lines.append([f"`{room}`", f"{height:g}", name, *cells])
     return tables.markdown(["room", "c. of g. m", "A-I-DE against", "tilt max", "tilt RMS", "TTE", "slip max", "wheel work"], lines)
 

@@ -7,6 +7,7 @@ import math
 import statistics
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -33,19 +34,23 @@ TIMINGS = ("own", "time-optimal", "iascv", "trapezoid")
 WARM_UP = 3
 """Calls before those that are timed."""
 
-PRODUCT = ("length", "turns", "turning", "smoothness", "curvature", "clearance", "energy")
-"""Measures that are there as ``product_...`` too: of the refined path where one is asked for, else of the path."""
+SHAPE = (
+    Metric("length", "m", "lower", 4),
+    Metric("turns", "", "lower", 2),
+    Metric("turning", "rad", "lower", 2),
+    Metric("smoothness", "", "higher", 3),
+    Metric("curvature", "1/m", "lower", 3),
+    Metric("clearance", "m", "higher", 3),
+    Metric("energy", "cells", "lower", 4),
+)
+"""Measures of a path; also ``refined_...`` where a refinement is asked for, and ``product_...``: of the refined path if there is one."""
+
+SHAPED = tuple(metric.name for metric in SHAPE)
 
 METRICS = {
     metric.name: metric
     for metric in (
-        Metric("length", "m", "lower", 4),
-        Metric("turns", "", "lower", 2),
-        Metric("turning", "rad", "lower", 2),
-        Metric("smoothness", "", "higher", 3),
-        Metric("curvature", "1/m", "lower", 3),
-        Metric("clearance", "m", "higher", 3),
-        Metric("energy", "cells", "lower", 4),
+        *SHAPE,
         Metric("diagonals", "", None, 0),
         Metric("straights", "", None, 0),
         Metric("optimum", "m", None, 4),
@@ -61,21 +66,9 @@ METRICS = {
         Metric("last_evaluation", "", "lower", 0),
         Metric("near", "", "lower", 0),
         Metric("fallback", "", "lower", 3),
-        Metric("refined_length", "m", "lower", 4),
-        Metric("refined_turns", "", "lower", 2),
-        Metric("refined_turning", "rad", "lower", 2),
-        Metric("refined_smoothness", "", "higher", 3),
-        Metric("refined_curvature", "1/m", "lower", 3),
-        Metric("refined_clearance", "m", "higher", 3),
-        Metric("refined_energy", "cells", "lower", 4),
+        *(replace(metric, name=f"refined_{metric.name}") for metric in SHAPE),
         Metric("refined_any_angle_gap", "%", "lower", 2),
-        Metric("product_length", "m", "lower", 4),
-        Metric("product_turns", "", "lower", 2),
-        Metric("product_turning", "rad", "lower", 2),
-        Metric("product_smoothness", "", "higher", 3),
-        Metric("product_curvature", "1/m", "lower", 3),
-        Metric("product_clearance", "m", "higher", 3),
-        Metric("product_energy", "cells", "lower", 4),
+        *(replace(metric, name=f"product_{metric.name}") for metric in SHAPE),
         Metric("plan", "s", "lower", 4),
         Metric("plan_cpu", "s", "lower", 4),
         Metric("cpu_share", "%", None, 0),
@@ -119,7 +112,7 @@ def run(run: Run) -> Outcome:
         measures |= measuring.shape(product, query, "refined_")
         measures["refined_any_angle_gap"] = measuring.gap(measures["refined_length"], of.any_angle)
         certified = _certified(path, query, None)
-    measures |= {f"product_{name}": measures.get(f"refined_{name}", measures[name]) for name in PRODUCT}
+    measures |= {f"product_{name}": measures.get(f"refined_{name}", measures[name]) for name in SHAPED}
     trajectory = _motion(found, product, query, method.get("timing"), measures)
     kept = None if method.get("timing") == "trapezoid" else trajectory  # it has no limit of jerk: over_limit says how often it breaks it
     certified &= _certified(product, query, kept) and all(value is None or math.isfinite(value) for value in measures.values())

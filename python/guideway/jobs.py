@@ -151,7 +151,7 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
         "guideway": _core.__version__,
         "schema": 1,
         "planner": job.planner,
-        "parameters": _core.parameters(job.planner, job.set or None),
+        "parameters": _core.parameters(job.planner, job.set or None, query),
         "seed": job.seed,
         "world": world_record(job.world, folder, job.keep_out),
         "query": query_record(query),

@@ -43,7 +43,7 @@ mod _core {
     #[pymodule_export]
     use crate::pilot::Pilot;
     #[pymodule_export]
-    use crate::plan::{Solution, parameters, plan, planners};
+    use crate::plan::{Solution, advice, parameters, plan, planners, recommended};
     #[pymodule_export]
     use crate::query::Query;
     #[pymodule_export]

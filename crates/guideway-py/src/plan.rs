@@ -200,11 +200,33 @@ fn shown<'py>(py: Python<'py>, progress: &Progress) -> PyResult<Bound<'py, PyDic
 }
 
 /// Every parameter of a planner by name: those given in `set`, the others as its preset has them. Raises `BadParameter` for unknown ones.
+///
+/// With a query also those that `preset=recommended` names for its map.
 #[pyfunction]
-#[pyo3(signature = (planner, set=None))]
-pub fn parameters<'py>(py: Python<'py>, planner: &str, set: Option<&Bound<'py, PyDict>>) -> PyResult<Bound<'py, PyAny>> {
+#[pyo3(signature = (planner, set=None, query=None))]
+pub fn parameters<'py>(py: Python<'py>, planner: &str, set: Option<&Bound<'py, PyDict>>, query: Option<&Query>) -> PyResult<Bound<'py, PyAny>> {
     let given = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
-    to_python(py, &core::parameters(planner, given).or_py(py)?)
+    let all = match query {
+        Some(query) => core::parameters_for(planner, given, &query.inner),
+        None => core::parameters(planner, given),
+    };
+    to_python(py, &all.or_py(py)?)
+}
+
+/// Parameters that are better than the defaults of a planner on the map of a query; empty where the defaults are the best that is known.
+///
+/// The same as `set={"preset": "recommended"}`. Raises `BadParameter` for an unknown planner.
+#[pyfunction]
+pub fn recommended<'py>(py: Python<'py>, planner: &str, query: &Query) -> PyResult<Bound<'py, PyAny>> {
+    core::parameters(planner, serde_json::Value::Null).or_py(py)?;
+    to_python(py, &serde_json::Value::Object(core::recommended(planner, &query.inner)))
+}
+
+/// What is recommended beside the defaults: planner, place (which maps), `least_share` (of blocked cells), set, evidence (an experiment).
+#[pyfunction]
+pub fn advice(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    let row = |a: &core::Advice| serde_json::json!({"planner": a.planner, "place": a.place, "least_share": a.least_share, "set": (a.set)(), "evidence": a.evidence});
+    to_python(py, &serde_json::Value::Array(core::ADVICE.iter().map(row).collect()))
 }
 
 /// Every planner: name, about, source, lattice, parameters (name, about, default), paper (the settings of `preset=paper`, or None).

@@ -9,7 +9,6 @@ from __future__ import annotations
 from guideway.lab.comparing import Comparison, compare
 from guideway.lab.coordinator import run, told
 from guideway.lab.experiment import Claim, Experiment, Metric, Published, Run
-from guideway.lab.guidance import recommended
 from guideway.lab.kinds import KINDS, Outcome
 from guideway.lab.packaged import experiments, packaged
 from guideway.lab.reading import quick, read, with_seeds
@@ -29,7 +28,6 @@ __all__ = [
     "packaged",
     "quick",
     "read",
-    "recommended",
     "run",
     "told",
     "tune",

@@ -6,6 +6,7 @@ pub mod front;
 pub mod homotopy;
 mod iascv;
 mod legs;
+mod recommended;
 pub(crate) mod refusal;
 mod registry;
 pub mod sample;
@@ -16,6 +17,7 @@ pub mod tour;
 
 pub use crate::optimize::Parameter;
 pub use iascv::Iascv;
+pub use recommended::{ADVICE, Advice, recommended};
 pub use registry::REGISTRY;
 
 use crate::Point;
@@ -144,7 +146,7 @@ macro_rules! entry {
     };
 }
 
-/// Settings of a method: the product's or those of its source.
+/// Settings of a method: the product's, those of its source, or those that the map asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Preset {
@@ -153,14 +155,17 @@ pub enum Preset {
     Default,
     /// The settings of the source, without seeding by other searches, loop cutting and fallback.
     Paper,
+    /// Ours, with what [`ADVICE`] has for the map of the query.
+    Recommended,
 }
 
 /// Builds a planner by name with parameters as a JSON object (missing ones take the values of the preset).
 /// # Errors
 /// [`PlanError::BadParameter`] for an unknown planner or parameter, naming the valid ones.
 pub fn planner(name: &str, parameters: Value) -> Result<Box<dyn Planner>, PlanError> {
-    let (entry, parameters) = resolve(name, parameters)?;
-    (entry.build)(parameters.clone()).map_err(|e| refusal::refused(name, &parameters, |value| (entry.build)(value).map(drop), &e))
+    let (entry, all) = resolve(name, parameters.clone())?;
+    let built = (entry.build)(all.clone()).map_err(|e| refusal::refused(name, &all, |value| (entry.build)(value).map(drop), &e))?;
+    Ok(if recommended::asked(&parameters) { Box::new(recommended::Recommended { name: entry.name, given: parameters }) } else { built })
 }
 
 /// Every parameter of a planner by name: those given, the others as the preset has them.
@@ -168,6 +173,14 @@ pub fn planner(name: &str, parameters: Value) -> Result<Box<dyn Planner>, PlanEr
 /// As [`planner`].
 pub fn parameters(name: &str, given: Value) -> Result<Value, PlanError> {
     Ok(resolve(name, given)?.1)
+}
+
+/// Every parameter as the planner takes it for this query: as [`parameters`], with what `preset=recommended` means on its map.
+/// # Errors
+/// As [`planner`].
+pub fn parameters_for(name: &str, given: Value, query: &Query) -> Result<Value, PlanError> {
+    let (entry, _) = resolve(name, given.clone())?;
+    parameters(name, recommended::settled(entry.name, given, query))
 }
 
 fn resolve(name: &str, given: Value) -> Result<(&'static Entry, Value), PlanError> {

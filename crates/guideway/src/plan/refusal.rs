@@ -47,7 +47,7 @@ mod tests {
     fn a_value_that_cannot_be_read_is_named_with_what_it_may_be() {
         for (parameters, expected) in [
             (json!({"ants": 5, "graph": "x"}), "improved-aco.graph = x is not allowed: one of lattice, corners"),
-            (json!({"preset": "mine"}), "improved-aco.preset = mine is not allowed: one of default, paper"),
+            (json!({"preset": "mine"}), "improved-aco.preset = mine is not allowed: one of default, paper, recommended"),
             (json!({"seeding": 4}), "improved-aco.seeding = 4 is not allowed: one of "),
             (json!({"ants": "many"}), "improved-aco.ants = many is not allowed: a whole number, 0 or more"),
             (json!({"ants": -3}), "improved-aco.ants = -3 is not allowed: a whole number, 0 or more"),

@@ -67,7 +67,7 @@ pub const REGISTRY: &[Entry] = &[
         "dorigo1996",
         "Ant system: every ant that arrives deposits; the baseline of the colonies",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("alpha", "exponent of the pheromone"),
@@ -87,7 +87,7 @@ pub const REGISTRY: &[Entry] = &[
         "stutzle2000",
         "Max-min ant system: only the best ant deposits, the pheromone stays between bounds",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("alpha", "exponent of the pheromone"),
@@ -108,7 +108,7 @@ pub const REGISTRY: &[Entry] = &[
         "lu2025",
         "Ant system with six improvements, each of them a switch, and ours beside them",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("ants", "ants of a generation"),
             ("iterations", "generations, if the budget names none"),
             ("o1", "initial pheromone in a cone around the straight line"),
@@ -152,7 +152,7 @@ pub const REGISTRY: &[Entry] = &[
         "han2024",
         "Ants walk there and back, with a heuristic of its own in each direction",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("ants", "ants of half an iteration"),
             ("iterations", "iterations, there and back, if the budget names none"),
             ("patience", "iterations without improvement after which it stops"),
@@ -182,7 +182,7 @@ pub const REGISTRY: &[Entry] = &[
         "han2024",
         "Grouped particle swarm whose best way raises the pheromone of a bidirectional ant colony",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("ants", "ants of half an iteration"),
             ("iterations", "iterations, there and back, if the budget names none"),
             ("patience", "iterations without improvement after which it stops"),
@@ -217,7 +217,7 @@ pub const REGISTRY: &[Entry] = &[
         "kennedy1995, shi1998, han2024",
         "Particle swarm over guided walks on the lattice",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             (
                 "encoding",
                 "what the numbers mean: `walk` (turns of a guided walk), `way-points` (points joined by straight lines) or `spline` (control points)"
@@ -246,7 +246,7 @@ pub const REGISTRY: &[Entry] = &[
         "han2024",
         "Particle swarm in subgroups with an elite and a second, adaptive stage, over guided walks",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             (
                 "encoding",
                 "what the numbers mean: `walk` (turns of a guided walk), `way-points` (points joined by straight lines) or `spline` (control points)"
@@ -282,7 +282,7 @@ pub const REGISTRY: &[Entry] = &[
         "holland1975, han2024",
         "Genetic algorithm on lattice paths",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("individuals", "paths N"),
             ("iterations", "generations per leg"),
             ("crossover", "probability of crossover p_c"),
@@ -302,7 +302,7 @@ pub const REGISTRY: &[Entry] = &[
         "xue2020, han2024",
         "Sparrow search over guided walks; biased towards the straight way",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             (
                 "encoding",
                 "what the numbers mean: `walk` (turns of a guided walk), `way-points` (points joined by straight lines) or `spline` (control points)"
@@ -330,7 +330,7 @@ pub const REGISTRY: &[Entry] = &[
         "storn1997, zhang2025",
         "Differential evolution over splines, with time and speed in the objective",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
             ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
             ("objective", "form of the objective: repaired | literal"),
@@ -356,7 +356,7 @@ pub const REGISTRY: &[Entry] = &[
         "zhang2025, storn1997, rahnamayan2008",
         "Differential evolution over splines with opposition, a decaying scale, a growing crossover rate and restarts",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
             ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
             ("objective", "form of the objective: repaired | literal"),
@@ -387,7 +387,7 @@ pub const REGISTRY: &[Entry] = &[
         "yang2009, zhang2025",
         "Fireflies over splines: each moves to every brighter one",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
             ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
             ("objective", "form of the objective: repaired | literal"),
@@ -414,7 +414,7 @@ pub const REGISTRY: &[Entry] = &[
         "tanabe2014, zhang2025",
         "Success-history adaptive differential evolution over splines, with a population that shrinks",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
             ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
             ("objective", "form of the objective: repaired | literal"),
@@ -444,7 +444,7 @@ pub const REGISTRY: &[Entry] = &[
         "hansen2016, hansen2009, zhang2025",
         "Covariance matrix adaptation over splines, with restarts",
         [
-            ("preset", "default | paper: our settings or those of the source"),
+            ("preset", "default | paper | recommended: our settings, those of the source, or ours for this map"),
             ("points", "free control points n_c of a leg, 3 to 1000; 0: as many as the route needs"),
             ("scales", "scales of speed, acceleration and jerk, 0.3 to 1, are searched as well"),
             ("objective", "form of the objective: repaired | literal"),

@@ -102,7 +102,7 @@ impl Preset {
     pub(super) fn aim(self, query: &Query) -> Aim {
         match self {
             Self::Paper => Aim::Shortest,
-            Self::Default => Aim::of(query.material),
+            Self::Default | Self::Recommended => Aim::of(query.material),
         }
     }
 }

@@ -66,9 +66,9 @@ $(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/p
 	$(BIN)/python -m pip install --quiet -c constraints.txt .
 	@touch $@
 
-# About 240 MB of these are for the lab: statistics, Dask, Optuna.
+# Every extra: about 2 GB, of which half comes with the libraries that the lab compares with (`peers`: VTK, Numba, faiss), and 240 MB are for statistics.
 $(VENV)/.tested: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,figures,lab,mujoco,test,tune]'
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,figures,lab,mujoco,peers,test,tune]'
 	@touch $@
 
 $(VENV)/.results: $(VENV)/.installed

@@ -11,7 +11,7 @@ import guideway as gw
 from guideway.errors import BadParameter, NoPath
 from guideway.lab import driven, movers
 from guideway.lab.experiment import Experiment, Run
-from guideway.lab.kinds import drive
+from guideway.lab.kinds import NotAResult, drive
 
 W0 = {"name": "w0", "make": "room", "room": "w0", "seed": "run", "condition": "static"}
 HALL = {"name": "hall", "make": "crossings", "robot": "default", "seed": "run"}
@@ -99,7 +99,8 @@ def test_a_refusal_of_the_planner_is_raised_and_a_path_that_is_none_is_not_certi
     through = Run("t", "drive", str(tmp_path), W0, {"name": ""}, {"name": "m", "planner": "bad.py:Through", "controller": "tracker"}, 0, {}, {})
     assert drive.run(through).certified is False
     nothing = Run("t", "drive", str(tmp_path), W0, {"name": ""}, {"name": "m", "planner": "bad.py:Nothing"}, 0, {}, {})
-    assert drive.run(nothing).certified is False
+    with pytest.raises(NotAResult):
+        drive.run(nothing)
 
 
 @pytest.mark.parametrize(

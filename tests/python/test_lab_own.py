@@ -143,7 +143,7 @@ groups = { small = ["random 12"], both = ["random *"] }
 ants = { low = 5, high = 30 }
 evaporation = { low = 0.01, high = 0.9, log = true }
 beta = { low = 1.0, high = 15.0, step = 0.5 }
-seeding = { among = ["off", "any-angle"] }
+heuristic = { among = ["goal", "detour"] }
 """
 
 
@@ -178,7 +178,7 @@ def test_a_search_for_parameters_goes_on_where_it_stopped(tmp_path):
         ("low = 5, high = 30", "low = 30, high = 5", "field high"),
         ("low = 0.01", "low = 0", "field high"),
         ("step = 0.5", "step = 50.0", "field step"),
-        ('among = ["off", "any-angle"]', "among = []", "field among"),
+        ('among = ["goal", "detour"]', "among = []", "field among"),
         ("low = 5, high = 30", "low = 5, height = 30", "field high"),
         ("trials = 6", "trials = 0", "field trials"),
     ],

@@ -9,7 +9,7 @@ import pytest
 
 import guideway as gw
 from guideway.lab import Run, measuring, read, worlds
-from guideway.lab.kinds import plan
+from guideway.lab.kinds import NotAResult, plan
 
 SCENE = {"name": "scene 1", "source": "scene:pso-aco-1"}
 PAPER = {"preset": "paper"}
@@ -140,9 +140,14 @@ def test_planners_of_users(folder) -> None:
     assert found.measures == same.measures
 
 
-@pytest.mark.parametrize("name", ["Straight", "Nan", "Words"])
-def test_bad_paths_of_users_are_not_certified(folder, name) -> None:
-    assert plan.run(run_of({"planner": f"own.py:{name}"}, folder=folder)).certified is False
+def test_bad_paths_of_users_are_not_certified(folder) -> None:
+    assert plan.run(run_of({"planner": "own.py:Straight"}, folder=folder)).certified is False
+
+
+@pytest.mark.parametrize("name", ["Nan", "Words"])
+def test_what_is_no_path_is_no_result(folder, name) -> None:
+    with pytest.raises(NotAResult):
+        plan.run(run_of({"planner": f"own.py:{name}"}, folder=folder))
 
 
 def test_errors_of_users_are_raised(folder) -> None:

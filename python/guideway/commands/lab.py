@@ -70,7 +70,8 @@ def _declare_tune(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Runs one experiment after the other; Ctrl-C keeps what there is."""
-    from guideway.lab import run, told
+    from guideway.lab import journal, run, told
+    from guideway.lab.coordinator import troubles
 
     if arguments.seeds is not None and not 1 <= arguments.seeds <= 100_000:
         raise BadParameter(f"--seeds {arguments.seeds} is out of range: 1 to 100000")
@@ -83,6 +84,9 @@ def _run(arguments: argparse.Namespace) -> int:
             options.note(f"guideway: interrupted; the records so far are in {kept}. Go on with the same command and --resume.")
             return 130
         print(f"{experiment.name}: {told(tally)}")
+        if tally["ok"] < tally.total():
+            for line in troubles(journal.read(Path(arguments.out) / f"{experiment.name}.jsonl"), 3):
+                options.note(f"  {line}")
     options.note(f"guideway: now 'guideway lab report {arguments.out}'")
     return 0
 

@@ -19,6 +19,7 @@ from guideway.errors import GuidewayError
 from guideway.lab.execute import blank
 from guideway.lab.experiment import Run
 from guideway.lab.journal import Record, key_of
+from guideway.lab.own import is_own
 
 START = 120.0
 """A worker that is not there after so long is given up, s."""
@@ -33,6 +34,12 @@ Item = tuple[Run, str]
 """A run and the digest of its experiment."""
 
 
+def owner(run: Run) -> str:
+    """A user's own planner by file and name, "" for those that are ours: what it does to its process no other planner is to see."""
+    planner = run.method.get("planner")
+    return f"{run.folder}/{planner}" if isinstance(planner, str) and is_own(planner) else ""
+
+
 class Child:
     """A worker process. Runs are put in, records come out in the same order; it is killed when a run takes too long."""
 
@@ -40,12 +47,15 @@ class Child:
         """``kind`` is loaded before the first run, whose time does not count it."""
         if sys.platform == "win32":
             raise GuidewayError("guideway lab runs on Linux and macOS; on Windows use WSL")
+        self.kind = kind
         self.connection, theirs = Pipe()
         self.waiting: deque[Item] = deque()
         self.since = time.monotonic()
         self.last = 0.0
         """What the last run took, s."""
         self.ready = False
+        self.owner = ""
+        """Whose planner it has run last: see :func:`owner`."""
         self.big = False
         """Was the last run put in so large that another could fill the socket?"""
         self._leaving = False
@@ -72,6 +82,7 @@ class Child:
         if not self.waiting:
             self.since = time.monotonic()
         self.waiting.append(item)
+        self.owner = owner(item[0])
         data = pickle.dumps(item)
         self.big = len(data) > 1 << 13
         with contextlib.suppress(OSError):  # it has died: the next take() tells

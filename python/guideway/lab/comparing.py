@@ -18,7 +18,7 @@ from guideway.io import files
 from guideway.io.export import toml_table
 from guideway.io.files import show
 from guideway.lab import journal
-from guideway.lab.coordinator import run, told
+from guideway.lab.coordinator import run, told, troubles
 from guideway.lab.extra import needed
 from guideway.lab.own import PICKLED
 from guideway.lab.reading import read
@@ -58,7 +58,7 @@ class Comparison:
             rows.append([method["name"], f"{len(good)}/{len(mine)}", *means, _mean([record["times"]["plan"] for record in good], " s")])
         widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
         lines = ["  ".join([row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]) for row in rows]
-        return "\n".join([*lines, told(Counter(record["status"] for record in self.records))])
+        return "\n".join([*lines, told(Counter(record["status"] for record in self.records)), *troubles(self.records)])
 
 
 def _mean(values: Sequence[float | None], unit: str = "") -> str:
@@ -82,8 +82,9 @@ def compare(
 
     ``planners``: name -> a registered planner, ``peer:NAME``, ``file.py:Name``, or any object with ``plan(query)`` (it may take ``seed=`` and
     ``budget=``) that returns points of shape (n, 2) in m, a :class:`guideway.Path` or a solution; the object is copied anew for each run. ``limits``:
-    ``seconds`` and ``memory_mib`` of a run. ``how`` goes to :func:`guideway.lab.run`: ``workers``, ``cluster``, ``resume``, ``progress``. The
-    experiment is written to ``out/NAME.toml``; a later call goes on with ``resume=True``. Raises :class:`guideway.GuidewayError`.
+    ``seconds`` and ``memory_mib`` of a run. A map without a query of its own is given as a :class:`guideway.Query`. ``how`` goes to
+    :func:`guideway.lab.run`: ``workers``, ``cluster``, ``resume``, ``progress``. The experiment is written to ``out/NAME.toml``; a later call goes on
+    with ``resume=True`` (a planner that has changed since needs another ``name``). Raises :class:`guideway.GuidewayError`.
     """
     folder = Path(out)
     if not _ODD.sub("", name) == name or name != name.lower():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Iterable
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from guideway.errors import BadParameter
 from guideway.lab.cluster import Cluster
 from guideway.lab.experiment import Experiment
 from guideway.lab.folder import locked, opened
-from guideway.lab.journal import key_of
+from guideway.lab.journal import Record, key_of
 from guideway.lab.pool import Local
 
 
@@ -76,3 +77,14 @@ def told(tally: Counter[str]) -> str:
     rest = [f"{tally[status]} {status}" for status in sorted(tally) if status != "ok" and tally[status]]
     count = sum(tally.values())
     return f"{count} record{'s' * (count != 1)}, " + ", ".join([f"{tally['ok']} ok", *rest])
+
+
+def troubles(records: Iterable[Record], most: int = 5) -> list[str]:
+    """Why runs have no result: a line for each method and reason, the most frequent first."""
+    found: Counter[tuple[str, str, str]] = Counter()
+    for record in records:
+        if record["status"] != "ok":
+            error = record["error"] or {}
+            found[record["method"], record["status"], f"{error.get('type', '')}: {error.get('message', '')}"[:300]] += 1
+    lines = [f"{method}: {count} {status}, {said}" for (method, status, said), count in found.most_common(most)]
+    return [*lines, *([f"and {len(found) - most} other reasons"] if len(found) > most else [])]

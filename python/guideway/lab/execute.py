@@ -7,11 +7,14 @@ import functools
 import math
 import os
 import platform
+import random
 import re
 import sys
 import time
 from collections.abc import Iterator, Mapping
 from typing import Any
+
+import numpy as np
 
 from guideway import __version__
 from guideway.errors import GuidewayError
@@ -24,7 +27,12 @@ _MIB = 1 << 20
 
 
 def execute(run: Run, digest: str) -> Record:
-    """Runs it under its memory limit; refusals, errors, lack of memory and invalid results become the record's ``status`` and ``error``."""
+    """Runs it under its memory limit; refusals, errors, lack of memory and invalid results become the record's ``status`` and ``error``.
+
+    The global generators of ``random`` and NumPy begin with the run's seed, so that methods that draw from them can be repeated.
+    """
+    random.seed(run.seed)
+    np.random.seed(run.seed % (1 << 32))
     _forget_peak()
     wall, cpu = time.perf_counter(), time.process_time()
     found = _outcome(run)
@@ -68,6 +76,8 @@ def _outcome(run: Run) -> Record:
             found = kinds.load(run.kind).run(run)
     except MemoryError:
         return _bad("memory", "MemoryError", f"it needs more than {run.limits['memory_mib']:g} MiB of memory")
+    except kinds.NotAResult as error:
+        return _bad("invalid", "NotAPath", _said(error))
     except Exception as error:
         return _bad("failed", type(error).__name__, _said(error))
     except BaseException as error:  # a panic of a compiled planner, SystemExit
@@ -118,7 +128,7 @@ def _bad(status: str, kind: str, message: str) -> Record:
 def _said(error: BaseException) -> str:
     """The message of an error without what differs from run to run."""
     with contextlib.suppress(Exception):
-        text = " ".join(_ADDRESS.sub("0x...", str(error)).split())
+        text = " ".join(_ADDRESS.sub("0x...", str(error)).encode("utf-8", "replace").decode().split())
         return text if isinstance(error, GuidewayError) else text[:500]
     return ""
 

@@ -111,7 +111,7 @@ class Experiment:
     folder: str
     """Where relative files are."""
     digest: str
-    """sha256 of everything that decides the records of a seed: kind, worlds, queries, methods, budget, limits."""
+    """sha256 of everything that decides the records of a seed: kind, worlds, queries, methods, budget, limits, named files."""
     quick: Mapping[str, Any]
     """What ``--quick`` changes."""
     tune: Tune | None

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import inspect
 import os
+import re
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from guideway import _core
 from guideway.errors import BadParameter, GuidewayError
-from guideway.lab import own, peers
+from guideway.io.files import show
+from guideway.lab import own, peers, worlds
+from guideway.lab.experiment import Experiment
 from guideway.records import Budget
 
+_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 PEER = "peer:"
 """What the name of a peer begins with."""
 
 Planned = Any
 """What a planner returns: :class:`guideway.Solution`, :class:`guideway.Path`, points of shape (n, 2) or more columns (m), or an object with ``path``
 or ``points`` (and, if it likes, ``evaluations`` and ``history``, rows of evaluations and best so far)."""
+TRIAL = Budget(iterations=1, evaluations=1, seconds=1.0)
 Call = Callable[[_core.Query, int, Budget], Planned]
 
 
@@ -49,6 +55,40 @@ def planner(method: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> 
         return _core.plan(query, name, seed=seed, budget=budget, set=settings or None, exact_fallback=fallback)
 
     return registered
+
+
+def check(method: Mapping[str, Any], folder: str | os.PathLike[str] = ".") -> None:
+    """Raises what :func:`planner` raises; and :class:`guideway.errors.BadParameter` for values of ``set`` that a registered planner refuses."""
+    planner(method, folder)
+    name, settings = method["planner"], dict(method.get("set", {}))
+    if not settings or name.startswith(PEER) or own.is_own(name):
+        return
+    try:
+        _core.plan(_trial(), name, seed=0, budget=TRIAL, set=settings)
+    except BadParameter as error:
+        if any(key in str(error) for key in settings):
+            raise BadParameter(f"method {method.get('name', '')!r}: set: {error}") from None
+    except GuidewayError:
+        return
+
+
+@lru_cache(maxsize=1)
+def _trial() -> _core.Query:
+    """A query that costs nothing."""
+    return worlds.query({"name": "trial", "source": "scene:m20"}, {"start_cell": (0, 0), "goal_cell": (1, 0)})
+
+
+def check_tune(experiment: Experiment) -> None:
+    """Raises :class:`guideway.errors.BadParameter` for ends of ``[tune.space]`` that the method refuses."""
+    if not experiment.tune:
+        return
+    method = next(method for method in experiment.methods if method["name"] == experiment.tune.method)
+    for dimension in experiment.tune.space:
+        for value in dimension.among or (dimension.low, dimension.high):
+            try:
+                check({**method, "set": {**method.get("set", {}), dimension.name: value}}, experiment.folder)
+            except BadParameter as error:
+                raise BadParameter(f"[tune.space]: {dimension.name}: {error}") from None
 
 
 def _peer(name: str, settings: Mapping[str, Any], where: str) -> Call:
@@ -104,9 +144,27 @@ def path_of(found: Planned) -> _core.Path | None:
         return None
 
 
+def complaint(found: Planned) -> str:
+    """What is wrong with a thing that :func:`path_of` takes for no path."""
+    held = getattr(found, "path", found)
+    if isinstance(held, _core.Path):
+        return "the path it returned has no finite length"
+    allowed = "points of shape (n, 2) in m, n at least 2, a gw.Path or a solution"
+    try:
+        points = np.asarray(getattr(found, "points", held), float)
+    except (TypeError, ValueError):
+        points = np.empty(())
+    if points.ndim == 0:
+        return f"it returned {_ADDRESS.sub('', show(found))}, which is no path: {allowed}"
+    if points.ndim == 2 and not np.isfinite(points).all():
+        return "the points it returned are not finite"
+    return f"it returned an array of shape {points.shape}, which is no path: {allowed}"
+
+
 def work_of(found: Planned) -> tuple[int | None, np.ndarray]:
     """Evaluations, and rows of evaluations and best so far, of what a planner of somebody else returned; None and no rows if it does not say."""
     evaluations = getattr(found, "evaluations", None)
-    history = np.asarray(getattr(found, "history", None) or [], float)
+    rows = getattr(found, "history", None)
+    history = np.asarray([] if rows is None else rows, float)
     fits = history.ndim == 2 and history.shape[1] >= 2 and np.isfinite(history).all()
     return evaluations if isinstance(evaluations, int) else None, history[:, :2] if fits else np.empty((0, 2))

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Generator, Iterator, Sequence
 from multiprocessing.connection import wait
 
-from guideway.lab.child import Child, Item
+from guideway.lab.child import Child, Item, owner
 from guideway.lab.experiment import Run
 from guideway.lab.journal import Record
 
@@ -18,36 +18,53 @@ AHEAD = 8
 """How many."""
 
 
+Lot = tuple[str, str]
+"""Runs of one owner on one world."""
+
+
 class Todo:
-    """Runs that wait, by world: a worker that has made a world goes on with it."""
+    """Runs that wait, by owner and world: a worker that has made a world goes on with it, and is not shared by planners of users."""
 
     def __init__(self, runs: Sequence[Run], digest: str) -> None:
-        self._worlds: dict[str, deque[Item]] = {}
+        self._lots: dict[Lot, deque[Item]] = {}
         for run in runs:
-            self._worlds.setdefault(run.world["name"], deque()).append((run, digest))
-        self._taken: dict[int, str] = {}
-        """What worlds the workers are at."""
+            self._lots.setdefault(_lot(run), deque()).append((run, digest))
+        self._taken: dict[int, Lot] = {}
+        """What the workers are at."""
 
     def __bool__(self) -> bool:
         """Is anything left?"""
-        return bool(self._worlds)
+        return bool(self._lots)
+
+    def owner(self, worker: int) -> str:
+        """Whose run is the next for a worker."""
+        return self._next(worker)[0]
 
     def take(self, worker: int) -> Item:
-        """The next run for a worker: of its world, else of one that nobody is at, else of that with most runs left."""
-        world = self._taken.get(worker, "")
-        if world not in self._worlds:
-            free = (name for name in self._worlds if name not in self._taken.values())
-            world = next(free, None) or max(self._worlds, key=lambda name: len(self._worlds[name]))
-            self._taken[worker] = world
-        item = self._worlds[world].popleft()
-        if not self._worlds[world]:
-            del self._worlds[world]
+        """The next run for a worker."""
+        lot = self._taken[worker] = self._next(worker)
+        item = self._lots[lot].popleft()
+        if not self._lots[lot]:
+            del self._lots[lot]
         return item
+
+    def _next(self, worker: int) -> Lot:
+        """Its lot; else of the same owner, else of any, one that nobody is at, else that with most runs left."""
+        last = self._taken.get(worker, ("", ""))
+        if last in self._lots:
+            return last
+        lots = [lot for lot in self._lots if lot[0] == last[0]] or list(self._lots)
+        free = (lot for lot in lots if lot not in self._taken.values())
+        return next(free, None) or max(lots, key=lambda lot: len(self._lots[lot]))
 
     def back(self, items: Sequence[Item]) -> None:
         """Gives back what a worker left."""
         for item in reversed(items):
-            self._worlds.setdefault(item[0].world["name"], deque()).appendleft(item)
+            self._lots.setdefault(_lot(item[0]), deque()).appendleft(item)
+
+
+def _lot(run: Run) -> Lot:
+    return owner(run), run.world["name"]
 
 
 class Local:
@@ -66,22 +83,28 @@ class Local:
                     if todo and number not in children:
                         children[number] = Child(runs[0].kind)
                     if number in children:
-                        _fill(children[number], todo, number)
+                        self._fill(number, todo)
                 yield from _next(children, todo)
         finally:
             for number in [number for number, child in children.items() if child.waiting]:
                 children.pop(number).close()
 
+    def _fill(self, number: int, todo: Todo) -> None:
+        """Puts runs in; a worker that has run a user's planner is replaced before it gets anything else."""
+        child = self._children[number]
+        ahead = AHEAD if child.ready and child.last < SHORT and not child.big else 1
+        while todo and len(child.waiting) < ahead:
+            if child.owner not in ("", todo.owner(number)):
+                if child.waiting:
+                    return
+                child.close()
+                child = self._children[number] = Child(child.kind)
+            child.put(todo.take(number))
+
     def close(self) -> None:
         """Ends the processes."""
         for number in list(self._children):
             self._children.pop(number).close()
-
-
-def _fill(child: Child, todo: Todo, number: int) -> None:
-    ahead = AHEAD if child.ready and child.last < SHORT and not child.big else 1
-    while todo and len(child.waiting) < ahead:
-        child.put(todo.take(number))
 
 
 def _next(children: dict[int, Child], todo: Todo) -> Iterator[Record]:

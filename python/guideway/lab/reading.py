@@ -68,9 +68,22 @@ def with_seeds(experiment: Experiment, count: int) -> Experiment:
 
 
 def digest(experiment: Experiment) -> str:
-    """sha256 of what decides the records, seeds left out: more seeds may be added to what is there."""
-    parts = [experiment.kind, experiment.worlds, experiment.queries, experiment.methods, experiment.budget, experiment.limits]
+    """sha256 of what decides the records, seeds left out: more seeds may be added to what is there. The maps and planners' files that are named count
+    with what is in them."""
+    parts: list[Any] = [experiment.kind, experiment.worlds, experiment.queries, experiment.methods, experiment.budget, experiment.limits]
+    named = {str(world["source"]).partition("#")[0] for world in experiment.worlds if "source" in world}
+    planners = (str(method.get("planner", "")).rpartition(":")[0] for method in experiment.methods)
+    named |= {planner for planner in planners if planner.endswith(".py")}
+    parts += [[name, found] for name in sorted(named) if (found := _content(str(Path(experiment.folder, name))))]
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _content(path: str) -> str | None:
+    """sha256 of a file; None where there is none."""
+    try:
+        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    except (OSError, ValueError):
+        return None
 
 
 def _kept(small: Mapping[str, Any], experiment: Experiment, what: str) -> Iterable[Any]:
@@ -124,18 +137,18 @@ def of_data(where: str, path: str | os.PathLike[str], data: dict[str, object]) -
     )
     ran = top.table("ran")
     top.done()
-    found = replace(found, digest=digest(found))
-    return found if ran is None else _as_run(ran, found)
+    return replace(found, digest=digest(found)) if ran is None else _as_run(ran, found)
 
 
 def _as_run(ran: Table, found: Experiment) -> Experiment:
     """The copy beside the records: what was really run, and from where."""
-    folder = ran.text("folder", found.folder) or found.folder
+    found = replace(found, folder=ran.text("folder", found.folder) or found.folder)
+    found = replace(found, digest=digest(found))
     small = ran.flag("quick")
     seeds = _seeds(ran) or found.seeds
     ran.done()
     found = quick(found) if small else found
-    return replace(found, folder=folder, seeds=seeds)
+    return replace(found, seeds=seeds)
 
 
 def _checked(where: str, found: Experiment) -> Experiment:

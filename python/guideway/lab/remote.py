@@ -6,12 +6,15 @@ import threading
 
 from guideway import __version__
 from guideway.errors import BadParameter
-from guideway.lab.child import Child, run_one
+from guideway.lab.child import Child, owner, run_one
 from guideway.lab.experiment import Run
 from guideway.lab.journal import line_of
 
 _OWN = threading.local()
-"""Each thread of the Dask worker has its own process."""
+"""Each thread of the Dask worker has its own processes, by the owner of the planner."""
+
+MOST = 4
+"""Processes of a thread."""
 
 
 def work(runs: list[Run], digest: str, version: str) -> list[bytes]:
@@ -22,11 +25,17 @@ def work(runs: list[Run], digest: str, version: str) -> list[bytes]:
 
 
 def _one(run: Run, digest: str) -> bytes:
-    child: Child | None = getattr(_OWN, "child", None)
-    if child is None or child.process.poll() is not None:
-        child = _OWN.child = Child(run.kind)
+    children: dict[str, Child] = _OWN.__dict__.setdefault("children", {})
+    whose = owner(run)
+    child = children.pop(whose, None)
+    if child is None or child.process.poll() is not None or child.kind != run.kind:
+        if child is not None:
+            child.close()
+        child = Child(run.kind)
+    children[whose] = child  # the last is that which was used last
+    while len(children) > MOST:
+        children.pop(next(iter(children))).close()
     record = run_one(child, run, digest)
     if record["status"] in ("memory", "crashed", "timeout"):
-        child.close()
-        _OWN.child = None
+        children.pop(whose).close()
     return line_of(record)

@@ -8,22 +8,31 @@ seed of the experiment: methods are still compared on equal worlds. Worlds are a
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from guideway import scenes
 from guideway._core import Query, World
 from guideway.errors import BadFile, BadParameter
+from guideway.io import files
+from guideway.io.files import show
 from guideway.io.packaged import is_packaged
 from guideway.records import Limits
 from guideway.scenes import GridScene, RoomScene
 
+if TYPE_CHECKING:
+    from guideway.lab.experiment import Experiment
+
 KEPT = 64
 """Worlds that a process keeps."""
+TRIED = 100
+"""Worlds with queries that are made before the first run, to find mistakes."""
 RUN = "run"
 """As ``seed``: the seed of the run."""
 
@@ -89,11 +98,13 @@ class Place:
         for key in given:
             if key not in QUERY_FIELDS:
                 raise BadParameter(f"{where}: {key!r} is not known: one of {', '.join(QUERY_FIELDS)}")
+        _check_values(given, where)
         world = _conditioned(self, given.pop("condition", None), where)
         options = _merged(self.asked, _points(world, given, where), where)
         missing = [end for end in ("start", "goal") if end not in options]
         if missing:
-            raise BadParameter(f"{where}: no {missing[0]} is given: the world has none of its own")
+            what = "give it in [[queries]], or in query = { start = [x, y], goal = [x, y] } of the world"
+            raise BadParameter(f"{where}: no {missing[0]} is given, and the world has none of its own: {what}")
         start, goal = options.pop("start"), options.pop("goal")
         try:
             return Query(world, start, goal, **options)
@@ -128,7 +139,7 @@ def check(spec: Mapping[str, Any]) -> None:
     if "source" in spec:
         _check_fields(spec, (), where)
         if not isinstance(spec["source"], str) or not spec["source"]:
-            raise BadParameter(f"{where}: source {spec['source']!r} is not the name of a file, scene:NAME or FILE#N")
+            raise BadParameter(f"{where}: source {show(spec['source'])} is not the name of a file, scene:NAME or FILE#N")
         return
     generator = GENERATORS.get(spec["make"]) if isinstance(spec["make"], str) else None
     if generator is None:
@@ -143,6 +154,37 @@ def check(spec: Mapping[str, Any]) -> None:
         if name in spec and not fits and not (name == "seed" and value == RUN):
             words = {int: "a whole number", float: "a number", str: "a word"}[kind]
             raise BadParameter(f"{where}: {name} {value!r} is not {words}" + (f' or "{RUN}"' if name == "seed" else ""))
+
+
+def check_all(experiment: Experiment) -> None:
+    """Checks all worlds of an experiment, and makes the first of each kind with every query, as far as :data:`TRIED` goes.
+
+    Raises :class:`guideway.errors.GuidewayError` naming what would fail in every run there: a file that is missing, an argument out of range, a query
+    without a start.
+    """
+    for spec in experiment.worlds:
+        check(spec)
+        _check_file(spec, experiment.folder)
+    words = [{**query, **method.get("query", {})} for method in experiment.methods for query in experiment.queries]
+    asked = list({json.dumps(query, sort_keys=True, default=str): query for query in words}.values())
+    firsts: dict[str, Mapping[str, Any]] = {}
+    for spec in experiment.worlds:
+        kind = {key: value for key, value in spec.items() if key not in ("name", "seed")}
+        kind |= {"source": str(spec["source"]).partition("#")[0]} if "source" in spec else {}
+        firsts.setdefault(json.dumps(kind, sort_keys=True, default=str), spec)
+    tried = ((spec, given) for spec in firsts.values() for given in asked)
+    for spec, given in islice(tried, TRIED):
+        query(spec, {key: value for key, value in given.items() if key != "order"}, experiment.folder, experiment.seeds[0])
+
+
+def _check_file(spec: Mapping[str, Any], folder: str) -> None:
+    source = spec.get("source")
+    if source is None or is_packaged(source):
+        return
+    place = Path(folder, source)
+    whole = place.parent / place.name.partition("#")[0]
+    if not place.exists() and not whole.exists():
+        raise BadParameter(f"world {spec.get('name', '')!r}: source {show(source)}: there is no file {files.name(whole)}")
 
 
 def _check_fields(spec: Mapping[str, Any], arguments: tuple[str, ...], where: str) -> None:
@@ -182,6 +224,20 @@ def _made(words: str, folder: str) -> Place:
             raise BadParameter(f"{where}: query.{key} is not known: one of {', '.join(QUERY_FIELDS)}")
     world = _conditioned(kept, own.pop("condition", spec.get("condition")), where)
     return Place(kept.name, found, world, _merged(asked, _points(world, own, where), where), resolution)
+
+
+def _check_values(given: Mapping[str, Any], where: str) -> None:
+    """Numbers that every planner would refuse, and limits that are no table."""
+    for name in ("clearance", "half_width", "soft_clearance"):
+        value = given.get(name, 0.0)
+        if isinstance(value, (bool, int, float)) and (isinstance(value, bool) or not 0 <= value < math.inf):
+            raise BadParameter(f"{where}: {name} {value!r} is not a length from 0 (m)")
+    for name in ("start", "goal"):
+        point = given.get(name)
+        if isinstance(point, (list, tuple)) and any(isinstance(v, bool) or (isinstance(v, float) and not math.isfinite(v)) for v in point):
+            raise BadParameter(f"{where}: {name} {show(point)} is not a point: [x, y] or [x, y, yaw] in m and rad")
+    if not isinstance(given.get("limits", {}), (Mapping, Limits)):
+        raise BadParameter(f"{where}: limits {show(given['limits'])} is not a table such as {{ speed = 1.0 }}")
 
 
 def _merged(asked: Mapping[str, Any], given: Mapping[str, Any], where: str) -> dict[str, Any]:
@@ -270,9 +326,9 @@ def _points(world: World, given: dict[str, Any], where: str) -> dict[str, Any]:
         cell = given.pop(f"{end}_cell", None)
         if cell is None:
             continue
-        fits = isinstance(cell, (list, tuple)) and len(cell) == 2 and all(isinstance(i, int) for i in cell)
+        fits = isinstance(cell, (list, tuple)) and len(cell) == 2 and all(isinstance(i, int) and not isinstance(i, bool) for i in cell)
         if not fits or not (0 <= cell[0] < world.width and 0 <= cell[1] < world.height):
-            raise BadParameter(f"{where}: {end}_cell {cell!r} is no cell: [column, row] up to [{world.width - 1}, {world.height - 1}]")
+            raise BadParameter(f"{where}: {end}_cell {show(cell)} is no cell: [column, row] up to [{world.width - 1}, {world.height - 1}]")
         given[end] = tuple(world.cell_centers([cell]).tolist()[0])
     return given
 

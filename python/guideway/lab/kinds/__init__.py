@@ -26,6 +26,10 @@ KINDS: dict[str, str] = {
 _MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)+")
 
 
+class NotAResult(Exception):
+    """What a method returned is nothing that could be checked: the run is invalid."""
+
+
 @dataclass
 class Outcome:
     """What a run found. ``measures``, ``curve`` and ``path`` depend on the run alone; what depends on the machine is in ``times`` (s)."""

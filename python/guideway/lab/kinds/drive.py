@@ -14,7 +14,7 @@ import guideway as gw
 from guideway.errors import BadParameter
 from guideway.lab import driven, movers, planning, worlds
 from guideway.lab.experiment import Experiment, Metric, Run
-from guideway.lab.kinds import Outcome
+from guideway.lab.kinds import NotAResult, Outcome
 from guideway.plants import PLANTS
 from guideway.products import REFINEMENTS
 
@@ -101,7 +101,7 @@ def run(run: Run) -> Outcome:
     found, motion = planned(site, run)
     times = {"plan": time.perf_counter() - begun, "plan_cpu": time.process_time() - cpu}
     if motion is None:
-        return Outcome(certified=False, times=times)
+        raise NotAResult(planning.complaint(found))
     certified = bool(gw.certify(motion.path, site.still)["ok"])
     record = driving(site, motion, method, run.seed)
     measures = plan_measures(found, motion, site) | drive_measures(record, site.query)
@@ -213,21 +213,21 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
 
 def check(experiment: Experiment) -> None:
     """Raises :class:`guideway.BadParameter` for what is not known, before any run."""
-    for world in experiment.worlds:
-        worlds.check(world)
     for query in experiment.queries:
         for key in query:
             if key not in ("name", *QUERY_FIELDS):
                 raise BadParameter(f"query {query['name']!r}: {key!r} is not known: one of {', '.join(QUERY_FIELDS)}")
         if query.get("order", "given") not in ("given", "best"):
             raise BadParameter(f"query {query['name']!r}: order {query['order']!r} is not known: given or best")
+    worlds.check_all(experiment)
+    planning.check_tune(experiment)
     for method in experiment.methods:
         _check_method(method, experiment)
 
 
 def _check_method(method: Mapping[str, Any], experiment: Experiment) -> None:
     where = f"method {method['name']!r}"
-    planning.planner({"planner": "visibility", **method}, experiment.folder)
+    planning.check({"planner": "visibility", **method}, experiment.folder)
     for name, allowed in CHOICES.items():
         if name in method and method[name] not in allowed:
             raise BadParameter(f"{where}: {name} {method[name]!r} is not known: one of {', '.join(allowed)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -12,6 +11,7 @@ import numpy as np
 
 from guideway.errors import BadParameter, GuidewayError, Infeasible
 from guideway.lab.experiment import Experiment, Metric, Run
+from guideway.lab.extra import needed
 from guideway.lab.kinds import Outcome
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ def _optimum(task: Task, world: Mapping[str, Any], number: int | None) -> float:
 
 
 def check(experiment: Experiment) -> None:
-    """Raises :class:`guideway.BadParameter` for what is not known, before any run. Robots, paths and settings are only looked at where arms work."""
+    """Raises :class:`guideway.BadParameter` for what is not known, ``MissingExtra`` where arms do not work, before any run."""
     from guideway.arm.learning import LEARNERS
     from guideway.plants.arm import PLANTS
     from guideway.plants.arm_friction import KINDS
@@ -216,8 +216,10 @@ def check(experiment: Experiment) -> None:
             raise BadParameter(f"{where}: learner {method.get('learner')!r} is not known: one of {', '.join(LEARNERS)}")
         if isinstance(trials, bool) or not isinstance(trials, int) or not 1 <= trials <= 100_000:
             raise BadParameter(f"{where}: trials {trials!r} is not a whole number from 1 to 100000")
-    if importlib.util.find_spec("pinocchio") is not None:
-        _check_tasks(experiment)
+    needed("pinocchio", "arm", "runs of learning need Pinocchio")
+    if any(world.get("plant", WORLD["plant"]) == "mujoco" for world in experiment.worlds):
+        needed("mujoco", "mujoco", "the plant 'mujoco' needs MuJoCo")
+    _check_tasks(experiment)
 
 
 def _number(where: str, name: str, value: object) -> None:

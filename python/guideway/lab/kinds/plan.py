@@ -15,9 +15,10 @@ import numpy as np
 
 from guideway import _core
 from guideway.errors import BadParameter
+from guideway.io.files import show
 from guideway.lab import driven, measuring, planning, worlds
 from guideway.lab.experiment import Experiment, Metric, Run
-from guideway.lab.kinds import Outcome
+from guideway.lab.kinds import NotAResult, Outcome
 from guideway.products import REFINEMENTS
 from guideway.records import Budget, Limits
 
@@ -101,7 +102,7 @@ def run(run: Run) -> Outcome:
     if hasattr(found, "seconds"):
         times["search"] = float(found.seconds)  # of peers without the process around it
     if path is None:
-        return Outcome(measures={}, curve=None, path=None, certified=False, times=times)
+        raise NotAResult(planning.complaint(found))
     of = _exact(json.dumps([dict(run.world), asked], sort_keys=True, default=str), run.folder, run.seed if _drawn(run.world) else 0)
     measures, curve = measured(found, path, query, of)
     product, certified = path, True
@@ -232,17 +233,17 @@ def _exact(words: str, folder: str, seed: int) -> measuring.Exact:
 
 def check(experiment: Experiment) -> None:
     """Raises :class:`guideway.errors.BadParameter` naming what is wrong, before any run."""
-    for world in experiment.worlds:
-        worlds.check(world)
+    worlds.check_all(experiment)
+    planning.check_tune(experiment)
     for method in experiment.methods:
         where = f"method {method.get('name', '')!r}"
-        planning.planner(method, experiment.folder)
+        planning.check(method, experiment.folder)
         refine = method.get("refine")
         if refine is not None and refine not in REFINEMENTS:
-            raise BadParameter(f"{where}: refine {refine!r} is not known: one of {', '.join(REFINEMENTS)}")
+            raise BadParameter(f"{where}: refine {show(refine)} is not known: one of {', '.join(REFINEMENTS)}")
         timing = method.get("timing")
         if timing is not None and timing not in TIMINGS:
-            raise BadParameter(f"{where}: timing {timing!r} is not known: one of {', '.join(TIMINGS)}")
+            raise BadParameter(f"{where}: timing {show(timing)} is not known: one of {', '.join(TIMINGS)}")
         for name, low in (("repeats", 1), ("heap", 0)):
             count = method.get(name, low)
             if isinstance(count, bool) or not isinstance(count, int) or not low <= count <= 10_000:

@@ -125,6 +125,8 @@ def logarithmic(axes: Any, *names: str) -> None:
 
     for name in names:
         axis = getattr(axes, f"{name}axis")
+        if not math.isfinite(axis.get_minpos()):  # nothing that has a logarithm
+            continue
         axes.set(**{f"{name}scale": "log"})
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())

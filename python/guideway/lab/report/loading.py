@@ -42,10 +42,18 @@ def load(folder: str | os.PathLike[str]) -> list[Loaded]:
             raise BadFile(
                 str(path), f"its experiment {spec.name} is not beside it", "NAME.toml with NAME.jsonl", "Copy it there, or move the records away"
             )
-        records = journal.read(path)
+        records = [_printable(record) for record in journal.read(path)]
         if records:
             found.append(Loaded(read(spec, check=False), records, spec.read_text("utf-8", errors="replace")))
     if not found:
         todo = "Run one first: guideway lab run NAME --out FOLDER"
         raise BadFile(os.fspath(folder), "there are no records of experiments in it", "NAME.toml with NAME.jsonl", todo)
     return found
+
+
+def _printable(record: Record) -> Record:
+    """A record whose error can be written as UTF-8, whatever the method said."""
+    error = record.get("error")
+    if not isinstance(error, dict):
+        return record
+    return record | {"error": {str(key): str(value).encode("utf-8", "replace").decode() for key, value in error.items()}}

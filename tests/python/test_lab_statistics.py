@@ -14,7 +14,9 @@ pytest.importorskip("scipy")
 pytest.importorskip("statsmodels")
 pytest.importorskip("scikit_posthocs")
 
-from guideway.lab import curves, statistics
+from guideway.lab import cells, curves, growing, statistics
+from guideway.lab.reading import of_data
+from guideway.lab.verdicts import judge
 
 CLOSE = {"rel": 1e-9, "abs": 1e-9}
 RNG = np.random.default_rng(7)
@@ -293,3 +295,29 @@ def test_performance_profiles_by_hand() -> None:
     assert curves.profile({"a": [None], "b": [None]}) == {"a": [], "b": []}
     assert curves.profile({"a": [0.0], "b": [1.0]}) == {"a": [[1.0, 1.0]], "b": []}
     assert curves.profile({"a": [], "b": []}) == {"a": [], "b": []}
+
+
+@pytest.mark.parametrize(
+    ("value", "noise", "verdict"),
+    [(2.2, 0.01, "holds"), (1.8, 0.01, "does not hold"), (2.0, 0.3, "cannot be judged")],
+)
+def test_growth_is_judged_by_the_interval_of_its_exponent(value: float, noise: float, verdict: str) -> None:
+    text = {
+        "schema": 1, "name": "t", "kind": "plan", "metrics": ["length"], "methods": [{"name": "m", "planner": "astar"}],
+        "worlds": [{"name": "{size} {density}", "make": "complexity", "seed": 0, "each": {"size": [10, 20, 40, 80], "density": [0.1, 0.3]}}],
+        "claims": [{"says": "it grows so", "test": "growth", "metric": "length", "method": "m", "value": value}],
+    }  # fmt: skip
+    experiment, rng, records = of_data("t.toml", "t.toml", text), np.random.default_rng(1), []
+    for run in experiment.runs()[:: len(experiment.seeds)]:
+        size, density = run.world["size"], run.world["density"]
+        measures = {"length": 3 * size**2.0 * (1 + (density > 0.2)) * math.exp(noise * rng.standard_normal())}
+        key = {"world": run.world["name"], "query": "", "method": "m", "seed": 0}
+        records.append({**key, "status": "ok", "measures": measures, "certified": True})
+    table = cells.grid(experiment, records)
+    found = judge(table, experiment.claims[0])
+    assert found["verdict"] == verdict, found["reason"]
+    groups = found["numbers"]["groups"]
+    assert [row["group"] for row in groups] == ["density 0.1", "density 0.3"]
+    logs = np.log([[r["measures"]["length"], float(r["world"].split()[0])] for r in records if r["world"].endswith("0.1")])
+    assert groups[0]["exponent"] == near(float(np.polyfit(logs[:, 1], logs[:, 0], 1)[0]))
+    assert [(row["low"], row["high"]) for row in growing.growths(table, ())] == [(row["low"], row["high"]) for row in groups]

@@ -75,7 +75,8 @@ class Claim:
     says: str
     table: str
     test: str
-    """lower | higher (than each of ``than``), within (``tolerance`` of ``value``), share (at least ``value``) or none (``reason``)."""
+    """lower | higher (than each of ``than``), within (``tolerance`` of ``value``), share (at least ``value``), growth (with an exponent of at most
+    ``value``) or none (``reason``)."""
     metric: str
     method: str
     than: tuple[str, ...]

@@ -10,7 +10,7 @@ from guideway.io.tables import Table
 from guideway.lab.experiment import Claim, Published
 
 Names = Mapping[str, list[str]]
-TESTS = ("lower", "higher", "within", "share", "none")
+TESTS = ("lower", "higher", "within", "share", "growth", "none")
 STATISTICS = ("mean", "sd", "median", "best", "worst", "min", "max", "share")
 
 
@@ -55,7 +55,9 @@ def _claim(table: Table, names: Names, metrics: list[str]) -> Claim:
         alpha=table.number("alpha", 0, 1, "", 0.05, above=True),
         reason=_text(table, "reason"),
     )
-    needs = {"lower": ["than"], "higher": ["than"], "within": ["value", "tolerance"], "share": ["value"], "none": ["reason"]}[test]
+    needs = {"lower": ["than"], "higher": ["than"], "within": ["value", "tolerance"], "share": ["value"], "growth": ["value"], "none": ["reason"]}[
+        test
+    ]
     for key in needs:
         if getattr(found, key) in (None, (), ""):
             raise table.bad(key, f"it is needed for test = {test!r}")

@@ -14,7 +14,8 @@ from guideway.view.report import clean
 from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, seed_of, spent, value_of
 from .curves import TARGETS, band, convergence, distribution, expected, profile, reached
 from .experiment import Experiment, Metric
-from .statistics import describe, friedman, growth, holm, mcnemar, paired, success
+from .growing import growths
+from .statistics import describe, friedman, holm, mcnemar, paired, success
 from .verdicts import judge
 
 SCHEMA = 1
@@ -49,7 +50,7 @@ def summary(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]
             "paired_success": paired_success(table),
             "ranks": [found for metric in table.compared if (found := ranks(table, metric))],
             "curves": {"convergence": bands(table), **distributions(table), "profile": profiles(table)},
-            "growth": growths(table),
+            "growth": growths(table, CLOCKS),
             "published": published(table),
             "claims": [judge(table, claim) for claim in experiment.claims],
             "alarms": alarms(table),
@@ -324,44 +325,6 @@ def profiles(table: Grid) -> dict[str, Any] | None:
         "problems": len(next(iter(columns.values()))),
         "methods": [{"method": m, "rows": r} for m, r in profile(columns).items()],
     }
-
-
-def growths(table: Grid) -> list[dict[str, Any]]:
-    """Fits of c n^p (``points``: size and median of each world) over worlds that have a ``size``: per method, measure or time, and values of
-    the worlds' other fields.
-    """
-    worlds = {str(world["name"]): world for world in table.experiment.worlds if isinstance(world.get("size"), int | float)}
-    if len({world["size"] for world in worlds.values()}) < 2:
-        return []
-    sets: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
-    for cell in table.cells.values():
-        world = worlds.get(cell.world)
-        for name in growing(table, cell) if world else []:
-            median = describe(cell.values(name)).median
-            if world and median is not None:
-                sets.setdefault((cell.method, name, group(world, cell.query)), []).append((float(world["size"]), median))
-    rows = []
-    for (method, name, label), points in sets.items():
-        found = growth([size for size, _ in points], [value for _, value in points])
-        if found:
-            fit = found.to_dict() | {"points": [list(point) for point in sorted(points)]}
-            rows.append({"method": method, "metric": name, "group": label, **fit})
-    return rows
-
-
-def growing(table: Grid, cell: Cell) -> list[str]:
-    """What may grow with the size of a world: the measures of the experiment, and processor time."""
-    return [*(metric.name for metric in table.experiment.metrics if metric.name in table.measured), *[t for t in CLOCKS if t in timed(cell)][:1]]
-
-
-def group(world: Mapping[str, Any], query: str) -> str:
-    """The other numbers that tell worlds apart, and the query, as words."""
-    words = [
-        f"{key} {value}"
-        for key, value in world.items()
-        if key not in ("name", "make", "source", "size", "seed") and isinstance(value, str | int | float)
-    ]
-    return ", ".join([*words, *([query] if query else [])])
 
 
 def published(table: Grid) -> list[dict[str, Any]]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .cells import Cell, Grid, pairs
 from .experiment import Claim, Metric
+from .growing import fits
 from .statistics import describe, holm, paired, success
 
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be judged"
@@ -18,7 +20,7 @@ UNMADE = ("ImportError", "ModuleNotFoundError", "MissingExtra", "TypeError", "At
 
 def judge(grid: Grid, claim: Claim) -> dict[str, Any]:
     """Verdict, reason and numbers of one claim, as in summary.json."""
-    tests = {"lower": ordering, "higher": ordering, "within": within, "share": share}
+    tests = {"lower": ordering, "higher": ordering, "within": within, "share": share, "growth": grows}
     verdict, reason, found = (OPEN, claim.reason or "no test is named", {}) if claim.test not in tests else tests[claim.test](grid, claim)
     head = {name: getattr(claim, name) for name in ("says", "table", "test", "metric", "method", "value", "tolerance", "alpha")}
     return head | {"than": list(claim.than), "worlds": list(claim.worlds), "verdict": verdict, "reason": reason, "numbers": found}
@@ -168,6 +170,26 @@ def mean_words(row: Mapping[str, Any], metric: Metric) -> str:
 def number(value: float, metric: Metric) -> str:
     """A value with the digits and the unit of its measure."""
     return f"{value:.{metric.digits}f}" + (f" {metric.unit}" if metric.unit else "")
+
+
+def grows(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
+    """The exponent of growth with the size of the world at most a value, for every kind of world: judged by its interval."""
+    lack = missing(grid, claim) or ("it names no exponent" if claim.value is None else None)
+    if lack or claim.value is None:
+        return OPEN, str(lack), {}
+    rows = []
+    for label, (fit, _) in fits(grid, [cell for cell in chosen(grid, claim, claim.method) if cell], claim.metric).items():
+        low, high = (-math.inf, math.inf) if fit.low is None or fit.high is None else (fit.low, fit.high)
+        verdict = HOLDS if high <= claim.value else FAILS if low > claim.value else OPEN
+        rows.append({"group": label, "verdict": verdict, "exponent": fit.exponent, "low": fit.low, "high": fit.high, "points": fit.points})
+    if not rows:
+        return OPEN, "there are no worlds of two sizes", {}
+    words = "; ".join(
+        f"{row['group'] or 'all worlds'}: {row['exponent']:.2f}"
+        + (" of two points" if row["low"] is None else f" [{row['low']:.2f}, {row['high']:.2f}]")
+        for row in decisive_rows(rows)[:4]
+    )
+    return worst(rows), f"exponent {words} (asked: at most {claim.value:g})", {"groups": rows}
 
 
 def share(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from guideway.errors import GuidewayError
+from guideway.lab import worlds
 from guideway.lab.cells import Cell, Grid, Record, is_sound, seed_of, value_of
+from guideway.lab.experiment import Run
+from guideway.lab.movers import Moving
 from guideway.view.geometry import Array, points
 from guideway.view.scenery import field_cell, picture, shading, shrink_field
 
 MOST_PATHS = 2_000_000
-"""Characters of paths in a report; the best, middle and worst of each cell come first."""
-MOST_PICTURES = 3_500_000
-"""Characters of pictures of worlds in a report."""
+"""Characters of paths in a report; each experiment has its share, and the best, middle and worst of each cell come first."""
+MOST_PICTURES = 2_500_000
+"""Characters of pictures of worlds in a report, shared in the same way."""
+MOST_TRACKS = 20
+"""Places of a moving obstacle's track that are drawn."""
 LEAST_PATH = 200
 """Characters below which no further path is tried."""
 MOST_POINTS = 400
@@ -30,35 +36,77 @@ STATUSES = ("ok", "failed", "invalid", "timeout", "memory", "crashed")
 
 @dataclass
 class Budget:
-    """What is left of the characters of a report, over all its experiments."""
+    """What is left of the characters of a report. Experiments come one after the other, those with few runs first: each may take an equal part of
+    what is left, and leaves to the others what it does not need.
+    """
 
     paths: int = MOST_PATHS
     pictures: int = MOST_PICTURES
     known: dict[str, int] = field(default_factory=dict[str, int])
     worlds: list[dict[str, Any] | None] = field(default_factory=list["dict[str, Any] | None"])
+    _keep: tuple[int, int] = (0, 0)
+    _lacking: set[str] = field(default_factory=set[str])
 
-    def world(self, spec: Mapping[str, Any], folder: str, seed: int) -> int | None:
-        """The number of a world's picture; None where it cannot be made or does not fit any more."""
-        drawn = seed if spec.get("seed") == "run" else 0
-        key = json.dumps([spec, folder, drawn], sort_keys=True, default=str)
-        if key not in self.known:
-            self.known[key] = self._picture(spec, folder, seed)
-        number = self.known[key]
+    def share(self, experiments: int) -> None:
+        """Begins the next experiment of so many that are left."""
+        self._keep = (self.paths - self.paths // experiments, self.pictures - self.pictures // experiments)
+        self._lacking.clear()
+
+    def room(self) -> int:
+        """Characters of paths that the experiment may still take."""
+        return self.paths - self._keep[0]
+
+    def took(self, path: int) -> bool:
+        """Takes the characters of a path; False, and nothing more for this experiment, where they do not fit."""
+        if path > self.room():
+            self._keep = (self.paths, self._keep[1])
+            return False
+        self.paths -= path
+        return True
+
+    def world(self, run: Run) -> int | None:
+        """The number of the picture of a run's world; None where it cannot be made or does not fit any more."""
+        drawn = run.seed if run.world.get("seed") == worlds.RUN or run.world.get("crossed") else 0
+        place = {name: value for name, value in run.world.items() if name != "name"}
+        key = json.dumps([place, run.query.get("condition"), run.folder, drawn], sort_keys=True, default=str)
+        if key not in self.known and key not in self._lacking:
+            self._draw(key, run)
+        number = self.known.get(key, -1)
         return None if number < 0 else number
 
-    def _picture(self, spec: Mapping[str, Any], folder: str, seed: int) -> int:
-        try:
-            from guideway.lab import worlds
+    def _draw(self, key: str, run: Run) -> None:
+        self.known[key] = -1
+        with contextlib.suppress(GuidewayError, ImportError, OSError, ValueError, TypeError, KeyError):
+            found = pictured(run)
+            size = len(json.dumps(found))
+            if size > self.pictures - self._keep[1]:
+                del self.known[key]  # the next experiment may have room
+                self._lacking.add(key)
+                return
+            self.pictures -= size
+            self.known[key] = len(self.worlds)
+            self.worlds.append(found)
 
-            found = small_picture(worlds.make(spec, folder, seed))
-        except (GuidewayError, ImportError, OSError, ValueError, TypeError, KeyError):
-            return -1
-        size = len(json.dumps(found))
-        if size > self.pictures:
-            return -1
-        self.pictures -= size
-        self.worlds.append(found)
-        return len(self.worlds) - 1
+
+def pictured(run: Run) -> dict[str, Any]:
+    """The world of a run under the condition of its query, with the tracks of what moves in it."""
+    if run.world.get("crossed"):
+        from guideway.lab.kinds.drive import site_of
+
+        world = site_of(run).query.world
+    else:
+        condition = {"condition": run.query["condition"]} if "condition" in run.query else {}
+        world = worlds.make({**run.world, **condition}, run.folder, run.seed)
+    return small_picture(world) | ({"movers": [moving(mover) for mover in world.movers]} if world.movers else {})
+
+
+def moving(mover: Mapping[str, Any]) -> dict[str, Any]:
+    """The track of a moving obstacle as x, y, x, y ..., where it is at first, half its width (m), and whether its track is closed."""
+    found = Moving(mover)
+    half = found.radius or 0.5 * min(mover["shape"].get("box", (0.0,)))
+    track = found.places[np.unique(np.linspace(0, len(found.places) - 1, MOST_TRACKS).astype(int))]
+    at = [round(float(v), 3) for v in found.at(0.0)]
+    return {"track": [round(float(v), 3) for v in track.ravel()], "at": at, "half": round(half, 3), "cycle": found.loop == "cycle"}
 
 
 class Plain:
@@ -87,16 +135,27 @@ def small_picture(world: Any) -> dict[str, Any]:
     return json.loads(json.dumps(found, default=float))
 
 
+def drawings(tables: Sequence[Grid], budget: Budget) -> list[dict[str, Any]]:
+    """What is drawn of each experiment, from one budget: those with few runs take their share first."""
+    order = sorted(range(len(tables)), key=lambda k: sum(len(cell.records) for cell in tables[k].cells.values()))
+    found: dict[int, dict[str, Any]] = {}
+    for left, place in zip(range(len(tables), 0, -1), order, strict=True):
+        budget.share(left)
+        found[place] = drawing(tables[place], budget)
+    return [found[place] for place in range(len(tables))]
+
+
 def drawing(table: Grid, budget: Budget) -> dict[str, Any]:
     """Values, paths and worlds of an experiment's cells, in the order of the summary's cells."""
-    specs = {str(world["name"]): world for world in table.experiment.worlds}
+    runs = {(run.key[0], run.key[1], run.key[2]): run for run in table.experiment.runs()}
     chosen = [marked(table, cell) for cell in table.cells.values()]
     drawn: list[list[dict[str, Any]]] = [[] for _ in chosen]
     for rank in range(4):
         for cell, marks, kept in zip(table.cells.values(), chosen, drawn, strict=True):
             for record, role in marks:
                 if (role_rank(role) == rank) and (path := path_of(record, budget)):
-                    world = budget.world(specs[cell.world], table.experiment.folder, seed_of(record)) if cell.world in specs else None
+                    run = runs.get((cell.world, cell.query, cell.method))
+                    world = None if run is None else budget.world(replace(run, seed=seed_of(record)))
                     kept.append({"seed": seed_of(record), "role": role, "world": world, "path": path})
     names = shown(table)
     return {"names": names, "cells": [runs_of(cell, names) | {"paths": kept} for cell, kept in zip(table.cells.values(), drawn, strict=True)]}
@@ -152,18 +211,14 @@ def marked(table: Grid, cell: Cell) -> list[tuple[Record, str | None]]:
 
 def path_of(record: Record, budget: Budget) -> list[float] | None:
     """A path as x, y, x, y ... with as many digits as can be seen, thinned; None once the report is full."""
-    line = points(record.get("path")) if budget.paths > LEAST_PATH else points([])
+    line = points(record.get("path")) if budget.room() > LEAST_PATH else points([])
     if len(line) < 2:
         return None
     span = float(np.ptp(line, axis=0).max()) or 1.0
     digits = max(0, 4 - math.floor(math.log10(span)))
     kept = [round(float(v), digits) for v in thin(line, span / 2500).ravel()]
     size = sum(len(repr(v)) + 1 for v in kept)
-    if size > budget.paths:
-        budget.paths = 0
-        return None
-    budget.paths -= size
-    return kept
+    return kept if budget.took(size) else None
 
 
 def thin(line: Array, tolerance: float) -> Array:

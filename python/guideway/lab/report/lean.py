@@ -10,13 +10,11 @@ CLOCKS = ("plan_cpu", "cpu", "plan", "wall")
 """Times of a cell: the page shows the first that is there."""
 SHOWN = ("n", "mean", "low", "high", "q1", "median", "q3", "best", "worst", "rate")
 TIMED = ("n", "mean", "least", "q1", "median", "q3", "most")
-MOST_BANDS = 1_500_000
-"""Characters of convergence curves of an experiment; those of the first worlds are kept."""
 DIGITS = 7
 
 
-def lean(one: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary of an experiment for the page: measures that it shows, numbers with seven digits, curves as far as there is room."""
+def lean(one: Mapping[str, Any], room: int) -> dict[str, Any]:
+    """The summary of an experiment for the page: measures that it shows, numbers with seven digits, ``room`` characters of convergence curves."""
     names = {str(metric["name"]) for metric in one["metrics"] if metric["first"]} | {"gap"}
     names |= {str(entry["metric"]) for entry in one.get("published", ())}
     if names == {"gap"}:
@@ -25,7 +23,7 @@ def lean(one: Mapping[str, Any]) -> dict[str, Any]:
         "metrics": [metric for metric in one["metrics"] if metric["name"] in names],
         "cells": [trimmed(cell, names) for cell in one["cells"]],
         "overall": [trimmed(row, names) for row in one["overall"]],
-        "curves": dict(one["curves"]) | {"convergence": bands(one["curves"]["convergence"])},
+        "curves": dict(one["curves"]) | {"convergence": bands(one["curves"]["convergence"], room)},
     }
     return rounded(small)
 
@@ -39,13 +37,12 @@ def trimmed(cell: Mapping[str, Any], names: set[str]) -> dict[str, Any]:
     }
 
 
-def bands(curves: list[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Convergence curves of all methods on as many worlds as there is room for."""
+def bands(curves: list[Mapping[str, Any]], left: int) -> list[dict[str, Any]]:
+    """Convergence curves of all methods on as many of the first worlds as there is room for, at least on one."""
     places: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for curve in curves:
         places.setdefault((curve["world"], curve["query"]), []).append(rounded(dict(curve)))
     kept: list[dict[str, Any]] = []
-    left = MOST_BANDS
     for group in places.values():
         left -= len(json.dumps(group, separators=(",", ":")))
         if left < 0 and kept:

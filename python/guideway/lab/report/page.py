@@ -10,12 +10,14 @@ from typing import Any
 from guideway.lab.results_page import SOURCES
 from guideway.view.report import clean, embed, fill
 
-from .drawing import Budget, drawing
+from .drawing import Budget, drawings
 from .lean import lean
 from .loading import Loaded
 
 SHARED = ("kit.js", "raster.js")
 SCRIPTS = ("words.js", "charts.js", "plots.js", "ranks.js", "results.js", "paths.js", "experiment.js", "overview.js", "lab.js")
+MOST_BANDS = 2_500_000
+"""Characters of convergence curves of a report."""
 MOST_TEXT = 40_000
 """Characters of an experiment's file that the page shows."""
 
@@ -25,8 +27,10 @@ def page(summaries: Sequence[dict[str, Any]], found: Sequence[Loaded], title: st
     budget = Budget()
     names = dict.fromkeys([*SOURCES, *sorted(str(one["source"]) for one in summaries)])
     named = [[key, SOURCES.get(key, key)] for key in names if any(one["source"] == key for one in summaries)]
+    room = MOST_BANDS // max(len(found), 1)
     entries = [
-        lean(one) | {"drawing": drawing(loaded.grid, budget), "text": loaded.text[:MOST_TEXT]} for one, loaded in zip(summaries, found, strict=True)
+        lean(one, room) | {"drawing": drawn, "text": loaded.text[:MOST_TEXT]}
+        for one, loaded, drawn in zip(summaries, found, drawings([loaded.grid for loaded in found], budget), strict=True)
     ]
     data = clean({"schema": 1, "title": title, "sources": named, "experiments": entries, "worlds": budget.worlds})
     shared, own = files("guideway.view").joinpath("page"), files("guideway.lab.report").joinpath("page")

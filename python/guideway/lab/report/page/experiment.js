@@ -48,7 +48,7 @@ function showExperiment(host, data, worlds) {
 function headOf(data) {
   const { recorded, expected } = data.runs;
   const bad = recorded - (data.status.ok || 0);
-  const facts = [data.source === "ours" ? "our own experiment" : [data.source, data.table].filter(Boolean).join(", "), `${plural(recorded, "run")}${recorded === expected ? "" : ` of ${count(expected)}`}`, plural(data.seeds, "seed"), bad ? `${count(bad)} failed` : "all succeeded"];
+  const facts = [data.source === "ours" ? "our own experiment" : [data.source, data.table].filter(Boolean).join(", "), `${plural(recorded, "run")}${recorded === expected ? "" : ` of ${count(expected)}`}`, plural(data.seeds, "seed"), bad ? `${count(bad)} failed` : "all with a result"];
   return make("div", { class: "lead" }, make("h2", {}, data.title), make("p", { class: "meta" }, facts.filter(Boolean).join(" \u00b7 ")));
 }
 

@@ -59,7 +59,7 @@ function pathMap(host, paths, worlds) {
   let [shown, lit] = [paths.find((path) => path.role === "best") ? paths.find((path) => path.role === "best").world : numbers[0], null];
   const canvas = make("canvas", { role: "img", "aria-label": `Paths of ${paths.length} runs` });
   const note = make("p", { class: "hint" });
-  host.replaceChildren(canvas, legendOf(paths), note);
+  host.replaceChildren(canvas, legendOf(paths, numbers.some((number) => worlds[number] && list(worlds[number].movers).length)), note);
   const loaded = new Map();
   const colour = () => ({ near: styleOf("--near"), far: styleOf("--far"), wall: styleOf("--wall"), unknown: styleOf("--unknown") });
 
@@ -88,6 +88,7 @@ function pathMap(host, paths, worlds) {
     pen.fillStyle = styleOf("--far");
     pen.fillRect(0, 0, w, h);
     paintWorld(pen, view, worlds[shown], loaded.get(shown));
+    if (worlds[shown]) paintMovers(pen, view, list(worlds[shown].movers));
     for (const path of [...drawn].sort((a, b) => Number(Boolean(a.role)) - Number(Boolean(b.role)))) paintPath(pen, view, path, lit);
     const ends = drawn[0].path;
     dot(pen, view, ends.slice(0, 2), false);
@@ -127,6 +128,29 @@ function paintWorld(pen, view, world, images) {
   }
 }
 
+/** Where obstacles move: their tracks as wide as they are, and the obstacles at the beginning. */
+function paintMovers(pen, view, movers) {
+  [pen.strokeStyle, pen.fillStyle, pen.lineJoin, pen.lineCap] = [styleOf("--track"), styleOf("--track"), "round", "round"];
+  for (const { track, at, half, cycle } of movers) {
+    const line = () => {
+      pen.beginPath();
+      for (let i = 0; i + 1 < track.length; i += 2) (i ? pen.lineTo : pen.moveTo).call(pen, view.x(track[i]), view.y(track[i + 1]));
+      if (cycle) pen.closePath();
+    };
+    line();
+    [pen.globalAlpha, pen.lineWidth] = [0.16, Math.max(2, 2 * half * view.scale)];
+    pen.stroke();
+    line();
+    [pen.globalAlpha, pen.lineWidth] = [0.8, 1];
+    pen.stroke();
+    pen.beginPath();
+    pen.arc(view.x(at[0]), view.y(at[1]), Math.max(2, half * view.scale), 0, 7);
+    pen.globalAlpha = 0.45;
+    pen.fill();
+  }
+  pen.globalAlpha = 1;
+}
+
 function paintPath(pen, view, { path, role, seed }, lit) {
   const front = lit === seed;
   pen.beginPath();
@@ -153,13 +177,13 @@ function dot(pen, view, [x, y], filled) {
   pen.stroke();
 }
 
-function legendOf(paths) {
+function legendOf(paths, moving) {
   const roles = ["best", "median", "worst"].filter((role) => paths.some((path) => path.role === role));
   const item = (name, ink_, kind) => {
-    const line = drawing("svg", { viewBox: "0 0 24 8", "aria-hidden": "true" }, drawing("path", { d: "M1 4H23", "stroke-width": kind === "other" ? 1.2 : 2.6, "stroke-dasharray": kind === "median" ? "7 4" : "" }));
+    const line = drawing("svg", { viewBox: "0 0 24 8", "aria-hidden": "true" }, drawing("path", { d: "M1 4H23", "stroke-width": { other: 1.2, track: 7 }[kind] || 2.6, "stroke-opacity": kind === "track" ? 0.35 : 1, "stroke-dasharray": kind === "median" ? "7 4" : "" }));
     line.style.stroke = `var(${ink_})`;
     return make("span", {}, line, name);
   };
   const others = paths.length - paths.filter((path) => path.role).length;
-  return make("div", { class: "legendrow" }, ...roles.map((role) => item(role, ROLES[role], role)), others > 0 ? item(`${plural(others, "other")}`, "--soft", "other") : null);
+  return make("div", { class: "legendrow" }, ...roles.map((role) => item(role, ROLES[role], role)), others > 0 ? item(`${plural(others, "other")}`, "--soft", "other") : null, moving ? item("moving obstacles: tracks and where they begin", "--track", "track") : null);
 }

@@ -11,10 +11,11 @@ import pytest
 
 import guideway as gw
 from guideway import lab
-from guideway.lab import read
+from guideway.lab import journal, read
 from guideway.lab.execute import execute
 from guideway.lab.experiment import Run
 from guideway.lab.pool import Local
+from guideway.lab.summary import summary
 
 TEXT = """
 schema = 1
@@ -176,6 +177,7 @@ def test_errors_of_any_text_are_kept(tmp_path):
 
 
 def test_a_changed_file_is_another_experiment(tmp_path):
+    pytest.importorskip("statsmodels")
     for place in (tmp_path, tmp_path / "elsewhere"):
         place.mkdir(exist_ok=True)
         (place / "hall.map").write_text("type octile\nheight 3\nwidth 4\nmap\n....\n....\n....\n")
@@ -192,6 +194,8 @@ def test_a_changed_file_is_another_experiment(tmp_path):
         path.write_text(path.read_text().replace("3", "4").replace("query.goal]", "query.goal, query.goal]"))
         changed = read(tmp_path / "elsewhere" / "early.toml", check=False)
         assert changed.digest != first.digest
+        records = journal.read(tmp_path / "out" / "early.jsonl")
+        assert [summary(one, records)["runs"]["stale"] for one in (first, changed)] == [0, 2]
         with pytest.raises(gw.BadParameter, match="another version"):
             lab.run(changed, tmp_path / "out", workers=1, resume=True)
         path.write_text((tmp_path / name).read_text())

@@ -133,7 +133,7 @@ def test_summary_says_what_the_records_say(tmp_path: Path) -> None:
     assert good["ert"]["value"] == (50 + 51 + 6 * 100) / 2, "runs that never got there used their whole budget"
     assert [claim["verdict"] for claim in one["claims"]] == ["holds", "does not hold", "holds", "does not hold", "cannot be judged"]
     assert one["published"][0]["ours"] == pytest.approx(10.35)
-    assert one["runs"] == {"recorded": 48, "expected": 48, "missing": 0, "unknown": 0}
+    assert one["runs"] == {"recorded": 48, "expected": 48, "missing": 0, "unknown": 0, "stale": 48}
     assert one["ranks"][0]["ranks"][0] == 1
     assert {row["p_holm"] < 0.05 for row in one["comparisons"] if row["metric"] == "length" and row["world"] is None} == {True}
     assert one["alarms"] == []

@@ -163,7 +163,7 @@ def test_a_method_that_misbehaves_costs_one_record(tmp_path):
 
 
 def test_a_method_that_becomes_two_processes_does_not_add_records(tmp_path):
-    trial = lab.read(experiment(tmp_path, MISCHIEF.replace("HOW", '["fork"]').replace("seeds = 3", "seeds = 40")))
+    trial = lab.read(experiment(tmp_path, MISCHIEF.replace("1.5", "60").replace("HOW", '["fork"]').replace("seeds = 3", "seeds = 40")))
     assert lab.run(trial, tmp_path, workers=2) == {"ok": 40}
     assert [record["seed"] for record in records(tmp_path, "mischief")] == list(range(40))
 
@@ -253,6 +253,16 @@ def test_a_full_disk_leaves_whole_records_and_says_how_to_go_on(tmp_path):
 
 
 RECORD = {"schema": 1, "status": "ok", "world": "w", "query": "", "method": "m"}
+
+
+@pytest.mark.parametrize("line", ['{"hello": 1}', "[]", '{"schema": 2, "status": "ok", "world": "w", "query": "", "method": "m", "seed": 0}'])
+def test_files_of_others_are_not_taken_for_torn_ones(tmp_path, line):
+    path = tmp_path / "foreign.jsonl"
+    path.write_text(line + "\n")
+    for use in (journal.read, journal.Journal):
+        with pytest.raises(gw.BadFile, match="line 1"):
+            use(path)
+    assert path.read_text() == line + "\n"
 
 
 @settings(max_examples=50, deadline=None)

@@ -50,12 +50,21 @@ def _read(path: str | os.PathLike[str]) -> tuple[list[Record], int]:
         for number, line in enumerate(file, 1):
             record = _record(line)
             if record is None:
-                if line.endswith(b"\n") and file.read(1):
+                if line.endswith(b"\n") and (_is_json(line) or file.read(1)):
                     raise BadFile(f"{where}, line {number}", "it is not a record of the lab", todo="Remove the line; --resume runs it again")
                 break
             records.append(record)
             size += len(line)
     return records, size
+
+
+def _is_json(line: bytes) -> bool:
+    """Was it written whole, by whomever?"""
+    try:
+        json.loads(line)
+    except (ValueError, RecursionError):
+        return False
+    return True
 
 
 def _record(line: bytes) -> Record | None:

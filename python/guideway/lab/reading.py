@@ -15,6 +15,7 @@ from typing import Any, cast
 from guideway.errors import BadFile, GuidewayError
 from guideway.io import files
 from guideway.io.files import show, word
+from guideway.io.packaged import is_packaged
 from guideway.io.tables import Table, parse_toml
 from guideway.lab import kinds
 from guideway.lab.expand import MOST, expanded
@@ -71,17 +72,22 @@ def digest(experiment: Experiment) -> str:
     """sha256 of what decides the records, seeds left out: more seeds may be added to what is there. The maps and planners' files that are named count
     with what is in them."""
     parts: list[Any] = [experiment.kind, experiment.worlds, experiment.queries, experiment.methods, experiment.budget, experiment.limits]
-    named = {str(world["source"]).partition("#")[0] for world in experiment.worlds if "source" in world}
-    planners = (str(method.get("planner", "")).rpartition(":")[0] for method in experiment.methods)
-    named |= {planner for planner in planners if planner.endswith(".py")}
-    parts += [[name, found] for name in sorted(named) if (found := _content(str(Path(experiment.folder, name))))]
+    parts += [[name, _content(experiment, name)] for name in files_of(experiment)]
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()
 
 
-def _content(path: str) -> str | None:
+def files_of(experiment: Experiment, missing: bool = False) -> list[str]:
+    """The files of maps and planners that are named, as far as they are there; or those that are ``missing``."""
+    sources = {str(world["source"]).partition("#")[0] for world in experiment.worlds if "source" in world and not is_packaged(world["source"])}
+    planners = (str(method.get("planner", "")).rpartition(":")[0] for method in experiment.methods)
+    named = sorted(sources | {planner for planner in planners if planner.endswith(".py")})
+    return [name for name in named if (_content(experiment, name) is None) == missing]
+
+
+def _content(experiment: Experiment, name: str) -> str | None:
     """sha256 of a file; None where there is none."""
     try:
-        return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+        return hashlib.sha256(Path(experiment.folder, name).read_bytes()).hexdigest()
     except (OSError, ValueError):
         return None
 

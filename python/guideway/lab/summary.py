@@ -15,6 +15,7 @@ from .cells import ALARM, Cell, Grid, Instance, Record, grid, is_sound, pairs, s
 from .curves import TARGETS, band, convergence, distribution, expected, profile, reached
 from .experiment import Experiment, Metric
 from .growing import growths
+from .reading import files_of
 from .statistics import describe, friedman, holm, mcnemar, paired, success
 from .verdicts import judge
 
@@ -64,6 +65,8 @@ def about(experiment: Experiment, table: Grid) -> dict[str, Any]:
     wanted = {run.key for run in experiment.runs()}
     done = {(*key, seed_of(record)) for key, cell in table.cells.items() for record in cell.records}
     metrics = [table.metric(name) for name in table.measured]
+    stale = sum(record.get("digest") != experiment.digest for record in records) if files_of(experiment, missing=True) == [] else 0
+    runs = {"recorded": len(records), "expected": len(wanted), "missing": len(wanted - done), "unknown": len(done - wanted), "stale": stale}
     return {
         "name": experiment.name,
         "title": experiment.title,
@@ -75,7 +78,7 @@ def about(experiment: Experiment, table: Grid) -> dict[str, Any]:
         "budget": dict(experiment.budget),
         "limits": dict(experiment.limits),
         "seeds": len({seed_of(record) for record in records}),
-        "runs": {"recorded": len(records), "expected": len(wanted), "missing": len(wanted - done), "unknown": len(done - wanted)},
+        "runs": runs,
         "status": dict(Counter(str(record.get("status")) for record in records)),
         "worlds": [str(world["name"]) for world in experiment.worlds],
         "queries": [str(query["name"]) for query in experiment.queries],

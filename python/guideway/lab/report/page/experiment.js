@@ -60,7 +60,7 @@ function warningsOf(data) {
   }
   if (data.quick) out.push(make("p", { class: "note warn" }, "Quick version: fewer seeds, worlds or evaluations than the experiment asks for. Verdicts are provisional."));
   if (data.runs.missing) out.push(make("p", { class: "note warn" }, `${plural(data.runs.missing, "run")} of ${count(data.runs.expected)} not done yet; guideway lab run goes on with --resume.`));
-  if (data.digests.length > 1 || data.runs.unknown) out.push(make("p", { class: "note warn" }, "Some records come from another version of the experiment's file."));
+  if (data.digests.length > 1 || data.runs.unknown || data.runs.stale) out.push(make("p", { class: "note warn" }, `${data.runs.stale === data.runs.recorded ? "The" : "Some"} records come from another version of the experiment's file, or of a map or planner that it names.`));
   return out;
 }
 

@@ -203,8 +203,20 @@ def summary(name: str, rows: list[Row]) -> str:
     return f"| {name} | {n} | {score:.4f} | {100 * success:.1f} % | {moving} | {turning} | {parked} | {jumps} | {late} | {mean_time} | {worst:.2f} |"
 
 
-HEAD = """| worlds, map | runs | score | success | hits moving | of these parked too | hits parked | after a jump | late or stuck | mean time s | worst p99 of a step ms |
-|---|---|---|---|---|---|---|---|---|---|---|"""
+COLUMNS = [
+    "worlds, map",
+    "runs",
+    "score",
+    "success",
+    "hits moving",
+    "of these parked too",
+    "hits parked",
+    "after a jump",
+    "late or stuck",
+    "mean time s",
+]
+COLUMNS += ["worst p99 of a step ms"]
+HEAD = f"| {' | '.join(COLUMNS)} |\n{'|---' * len(COLUMNS)}|"
 
 
 def main() -> None:

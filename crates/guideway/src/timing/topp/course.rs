@@ -13,6 +13,8 @@ const GAUSS: [(f64, f64); 4] = [
 const SAME: f64 = 1e-6;
 /// Speed by the parameter, as a share of the largest on the piece, below which the curve stands still.
 const STILL: f64 = 1e-7;
+/// Share of the second derivative by the parameter below which what is left of it across the direction of motion is rounding.
+const CANCELLED: f64 = 16.0 * f64::EPSILON;
 /// How far from a place where the curve stands still its derivatives are taken, as a share of the interval.
 pub(super) const ASIDE: f64 = 1e-4;
 /// Share of its largest speed by the parameter below which the curve is slow.
@@ -142,26 +144,28 @@ impl Course {
             *rate = [0.0; 2];
             return;
         }
-        let inverse = 1.0 / v;
-        let dv = inner(first, second) * inverse;
-        let square = inverse * inverse;
-        for (first, second) in first.iter_mut().zip(second) {
-            *first *= inverse;
-            *second = (*second - *first * dv) * square;
+        // Divided, not multiplied by an inverse: along a line nothing is left of q'' but what rounds to nothing, however slow the curve is.
+        for first in first.iter_mut() {
+            *first /= v;
+        }
+        let dv = inner(first, second);
+        let square = 1.0 / (v * v);
+        for (first, second) in first.iter().zip(second) {
+            *second = across(*second, *first, dv) * square;
         }
         *rate = [v, dv];
     }
 
-    /// [`Course::shape`] with the third derivative as well.
+    /// [`Course::shape`] with the third derivative as well: what of the third derivative by the parameter is across the direction of motion and not due to
+    /// the curvature, and along the direction what keeps the first at length 1.
     pub fn full_shape(&self, piece: usize, t: f64, shape: &mut Shape) {
-        self.by_parameter(piece, t, shape);
-        let (one, two) = (inner(&shape.first, &shape.second), inner(&shape.second, &shape.second) + inner(&shape.first, &shape.third));
         self.shape(piece, t, shape);
         let Shape { first, second, third, rate: [v, dv] } = shape;
         if *v > 0.0 {
-            let ddv = (two - (one / *v) * (one / *v)) / *v;
-            for d in 0..first.len() {
-                third[d] = (third[d] - 3.0 * second[d] * *v * *dv - first[d] * ddv) / (*v * *v * *v);
+            let (along, bend) = (inner(first, third), inner(second, second));
+            let (turning, cube) = (3.0 * *v * *dv, 1.0 / (*v * *v * *v));
+            for ((third, first), second) in third.iter_mut().zip(first).zip(second) {
+                *third = (across(*third, *first, along) - turning * *second) * cube - *first * bend;
             }
         }
     }
@@ -179,7 +183,8 @@ impl Course {
         }
     }
 
-    fn speed(&self, piece: usize, t: f64) -> f64 {
+    /// Arc length by the parameter.
+    pub fn speed(&self, piece: usize, t: f64) -> f64 {
         let (n, p, rows) = (self.dimension, self.degree, self.piece(piece));
         let mut sum = 0.0;
         for d in 0..n {
@@ -280,6 +285,16 @@ impl Way {
         Self([v0, 0.5 * a0, 10.0 * rest - 4.0 * dv + 0.5 * da, -15.0 * rest + 7.0 * dv - da, 6.0 * rest - 3.0 * dv + 0.5 * da])
     }
 
+    /// Of a span of a path.
+    pub fn of(course: &Course, span: &Span) -> Self {
+        let mut shape = Shape::new(course.dimension);
+        let rates = [0.0, 1.0].map(|tau| {
+            course.shape_in(span, tau, &mut shape);
+            shape.rate
+        });
+        Self::new(span, rates)
+    }
+
     pub fn at(&self, tau: f64) -> f64 {
         let [a, b, c, d, e] = self.0;
         tau * (a + tau * (b + tau * (c + tau * (d + tau * e))))
@@ -290,6 +305,12 @@ impl Way {
         let [a, b, c, d, e] = self.0;
         a + tau * (2.0 * b + tau * (3.0 * c + tau * (4.0 * d + tau * 5.0 * e)))
     }
+}
+
+/// What is left of one component of a vector across the direction of motion, where `along` is its share along it; nothing if that is rounding.
+fn across(component: f64, direction: f64, along: f64) -> f64 {
+    let left = component - direction * along;
+    if left.abs() <= CANCELLED * component.abs() { 0.0 } else { left }
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {

@@ -1,9 +1,15 @@
 //! Grids: spans of the path between nodes, refined where the motion changes.
 
-use super::course::{Course, Shape, Span, Way};
+use super::course::{Course, Span, Way};
 
 /// Spans on which places of the path are found by their arc length.
 pub(super) const WALK: usize = 2500;
+
+/// Spans along which the speed by the parameter changes less than by this factor, and those shorter than this share of the path, are not cut further.
+const EVEN: f64 = 0.8;
+const LEAST: f64 = 1e-10;
+/// Error of the arc length within a span, as a share of its length.
+const FIT: f64 = 1e-9;
 
 /// The intervals of a grid, and the shape of the path at their ends and in their middles.
 #[derive(Debug)]
@@ -30,7 +36,7 @@ impl Grid {
                 for i in 1..=n {
                     let to = if i == n { ends[1] } else { course.place(piece, w[0] + (w[1] - w[0]) * i as f64 / n as f64) };
                     if to.s > from.s {
-                        spans.push(Span { piece, t: [from.t, to.t], s: [from.s, to.s] });
+                        resolve(course, Span { piece, t: [from.t, to.t], s: [from.s, to.s] }, &mut spans);
                         from = to;
                     }
                 }
@@ -119,6 +125,20 @@ impl Grid {
     }
 }
 
+/// Adds a span, cut into halves until a quintic gives the arc length within each: beside a place where the path all but stops by its parameter it would
+/// not.
+fn resolve(course: &Course, span: Span, spans: &mut Vec<Span>) {
+    let [a, b] = span.t.map(|t| course.speed(span.piece, t));
+    let middle = course.place(span.piece, 0.5 * (span.t[0] + span.t[1]));
+    let fits = a.min(b) > EVEN * a.max(b) || span.length() < LEAST * course.length || middle.s <= span.s[0] || middle.s >= span.s[1];
+    if fits || (Way::of(course, &span).at(0.5) - (middle.s - span.s[0])).abs() < FIT * span.length() {
+        spans.push(span);
+        return;
+    }
+    resolve(course, Span { t: [span.t[0], middle.t], s: [span.s[0], middle.s], ..span }, spans);
+    resolve(course, Span { t: [middle.t, span.t[1]], s: [middle.s, span.s[1]], ..span }, spans);
+}
+
 /// Arc lengths where polynomial pieces meet, where the path slows down by its parameter and, if asked for, where a joint turns back; both ends too.
 pub(super) fn breaks(course: &Course, turns: bool) -> Vec<f64> {
     let mut s = vec![0.0];
@@ -132,12 +152,7 @@ pub(super) fn breaks(course: &Course, turns: bool) -> Vec<f64> {
 
 /// Parameter in a span at an arc length.
 fn invert(course: &Course, span: &Span, s: f64) -> f64 {
-    let mut shape = Shape::new(course.dimension);
-    let rates = span.t.map(|t| {
-        course.shape(span.piece, t, &mut shape);
-        shape.rate
-    });
-    let way = Way::new(span, rates);
+    let way = Way::of(course, span);
     let (mut low, mut high, target) = (0.0, 1.0, s - span.s[0]);
     let mut tau = target / span.length();
     for _ in 0..50 {

@@ -9,11 +9,11 @@ mod barrier;
 mod pieces;
 mod reference;
 mod rows;
+mod turns;
 mod used;
 
 use super::course::{Course, Span};
 use super::limits::Bounds;
-use super::motion::Leg;
 use super::problem::Demands;
 use super::solve::Solved;
 use super::windows::Window;
@@ -24,6 +24,7 @@ use barrier::Barrier;
 use pieces::Walker;
 use reference::Reference;
 use rows::{Kinetic, Posed};
+use turns::Stretch;
 pub(super) use used::{CEILING, Used};
 
 /// Cells if no number is asked for, and fewest per stretch.
@@ -36,12 +37,16 @@ const LAST: f64 = 3e-4;
 const AGAIN: f64 = 3e-3;
 /// Cells of the first round.
 const COARSE: usize = 250;
-/// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`.
-const ROUNDS: usize = 4;
-/// More rounds where rows are called for, and times that the motion is slowed down at last.
-const MORE: usize = 3;
-const SLOWINGS: usize = 6;
+/// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`, after some below `FAIR` if no rows are called
+/// for.
+const ROUNDS: usize = 7;
+const FEW_ROUNDS: usize = 3;
 const GOOD: f64 = 1e-3;
+const FAIR: f64 = 5e-3;
+/// Most by which the limits of a cell are tightened: from rest into a turn far shorter than the cell the jerk is exceeded about ten times.
+const MOST: f64 = 100.0;
+/// Times that the motion is slowed down at last.
+const SLOWINGS: usize = 6;
 /// Places per piece of the checks before the last one.
 const FEW: usize = 3;
 /// Room kept within the limits when the motion is slowed down, and when they are tightened.
@@ -99,35 +104,30 @@ pub(super) struct Task<'a, 'd> {
 impl Task<'_, '_> {
     /// The jerk-limited motion along the whole path.
     pub fn solve(&mut self, solved: &Solved, spans: &[Span]) -> Result<Smooth, PlanError> {
-        let (s, x) = (&solved.problem.s, &solved.x);
         let total: f64 = solved.legs.iter().map(|leg| leg.duration).sum();
         let mut smooth =
             Smooth { pieces: Vec::new(), used: Vec::new(), prices: vec![0.0; self.bounds.jerk.len()], steps: 0, tightenings: 0, slowed: 1.0 };
-        let mut from = 0;
-        for to in 1..s.len() {
-            if x[to] > 0.0 {
-                continue;
-            }
-            let legs = &solved.legs[from..to];
-            let share = legs.iter().map(|leg| leg.duration).sum::<f64>() / total;
-            let cells = ((self.cells.unwrap_or(CELLS) as f64 * share).round() as usize).max(FEWEST);
-            self.stretch(legs, [s[from], s[to]], (spans, cells), &mut smooth)?;
-            from = to;
+        let all = self.cells.unwrap_or(CELLS) as f64;
+        for stretch in turns::stretches(self.course, solved, total / all) {
+            let cells = ((all * stretch.duration() / total).round() as usize).max(FEWEST);
+            self.stretch(&stretch, (spans, cells), &mut smooth)?;
         }
         Ok(smooth)
     }
 
     /// One stretch from rest to rest, added to `smooth`.
-    fn stretch(&mut self, legs: &[Leg], ends: [f64; 2], (spans, cells): (&[Span], usize), smooth: &mut Smooth) -> Result<(), PlanError> {
-        let mut walker = Walker::new(self.course, spans);
+    fn stretch(&mut self, stretch: &Stretch, (spans, cells): (&[Span], usize), smooth: &mut Smooth) -> Result<(), PlanError> {
+        let ends = stretch.ends;
+        let mut walker = Walker::new(self.course, spans, ends);
         let coarse = cells.min(COARSE);
-        let mut posed = self.first(legs, ends, coarse, &mut walker);
-        let mut tight = vec![[1.0; 4]; coarse];
+        let mut posed = self.first(stretch, coarse, &mut walker);
+        let mut tight = vec![[1.0; 4]; posed.step.len()];
         let mut best: Option<Told> = None;
-        for round in 0..if self.demands.rows.is_some() { ROUNDS + MORE } else { ROUNDS } {
+        let called = self.demands.rows.is_some();
+        for round in 0..ROUNDS {
             posed.limits(self.bounds, &tight, self.demands)?;
             let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
-            if round > 0 && self.demands.rows.is_none() {
+            if round > 0 && !called {
                 posed.prune();
             }
             let Some(mut y) = posed.start() else { break };
@@ -138,13 +138,13 @@ impl Task<'_, '_> {
             smooth.tightenings += 1;
             smooth.prices.fill(0.0);
             posed.sensitivities(&y, LAST * per_cell, &mut smooth.prices);
-            let good = told.slower <= 1.0 + GOOD;
+            let good = told.slower <= 1.0 + if round < FEW_ROUNDS || called { GOOD } else { FAIR };
             let parts = if round == 0 { cells.div_ceil(coarse) } else { 1 };
-            let (lengths, ends) = told.cells(parts);
+            let (lengths, cells) = told.cells(parts);
             if round > 0 {
                 for (tight, used) in tight.iter_mut().zip(&told.used) {
                     for (tight, share) in tight.iter_mut().zip(used.share) {
-                        *tight = (*tight * if share > 1.0 { share * (1.0 + EXTRA) } else { 1.0 }).min(1.2);
+                        *tight = (*tight * if share > 1.0 { share * (1.0 + EXTRA) } else { 1.0 }).min(MOST);
                     }
                 }
             } else {
@@ -156,7 +156,7 @@ impl Task<'_, '_> {
             if good {
                 break;
             }
-            posed = Posed::new(lengths, ends, &mut walker);
+            posed = Posed::new(lengths, cells, &mut walker);
         }
         let Some(told) = best else {
             let reason = format!("no jerk-limited motion was found between s = {:.6} and {:.6} rad", ends[0], ends[1]);
@@ -194,22 +194,26 @@ impl Task<'_, '_> {
         Ok(told)
     }
 
-    /// The problem in the time of the averaged second-order motion, cells of equal length.
-    fn first(&self, legs: &[Leg], ends: [f64; 2], cells: usize, walker: &mut Walker) -> Posed {
-        let duration: f64 = legs.iter().map(|leg| leg.duration).sum();
+    /// The problem in the time of the averaged second-order motion, cells of equal length but at sharp turns.
+    fn first(&self, stretch: &Stretch, cells: usize, walker: &mut Walker) -> Posed {
+        let (duration, ends) = (stretch.duration(), stretch.ends);
         let ramp = self.bounds.acceleration.iter().zip(&self.bounds.jerk).map(|(a, j)| a / j).filter(|w| w.is_finite()).fold(0.0, f64::max);
         let ramp = if ramp > 0.0 { ramp.min(0.5 * duration) } else { 0.5 * duration };
-        let reference = Reference::new(legs, [ramp, 0.5 * (duration + ramp) / cells as f64]);
+        let even = (duration + ramp) / cells as f64;
+        // The jerk of the reference grows from nothing in half of the first cell.
+        let reference = Reference::new(stretch.legs, [ramp, 0.5 * even * stretch.finest()]);
         let even = reference.duration() / cells as f64;
-        let junctions: Vec<Kinetic> =
-            (0..=cells).map(|k| reference.at(even * k as f64)).map(|[s, v, a, j]| [(ends[0] + s).min(ends[1]), v, a, j]).collect();
+        let mut times = vec![0.0];
+        for k in 0..cells {
+            stretch.cut(&reference, [even * k as f64, even * (k + 1) as f64], 0, &mut times);
+        }
+        let junctions: Vec<Kinetic> = times.iter().map(|t| reference.at(*t)).map(|[s, v, a, j]| [(ends[0] + s).min(ends[1]), v, a, j]).collect();
         let mut cells: Vec<[Kinetic; 2]> = junctions.windows(2).map(|w| [w[0], w[1]]).collect();
-        // The jerk of the reference grows from nothing in the end cells.
         let last = cells.len() - 1;
         cells[0][0][3] = cells[0][1][3];
         cells[last][1][3] = cells[last][0][3];
         cells[last][1][0] = ends[1];
-        Posed::new(vec![even; cells.len()], cells, walker)
+        Posed::new(times.windows(2).map(|w| w[1] - w[0]).collect(), cells, walker)
     }
 
     /// Pieces and the use of the limits on them, by `places` places per piece.

@@ -45,27 +45,26 @@ pub(super) fn slowed(pieces: &mut [Piece], slower: f64) {
     }
 }
 
+/// How far inside a stretch its ends are read, as a share of it.
+const INSIDE: f64 = 1e-9;
+
 /// Walks along the path by arc length.
 pub(super) struct Walker<'a> {
     pub course: &'a Course,
     spans: &'a [Span],
     ways: Vec<Way>,
     at: usize,
+    /// Where the stretch that is walked begins and ends: directions may jump there, so it is read a little inside.
+    range: [f64; 2],
     pub shape: Shape,
 }
 
 impl<'a> Walker<'a> {
-    pub fn new(course: &'a Course, spans: &'a [Span]) -> Self {
-        let mut shape = Shape::new(course.dimension);
-        let ways = spans.iter().map(|span| {
-            let rates = [0.0, 1.0].map(|tau| {
-                course.shape_in(span, tau, &mut shape);
-                shape.rate
-            });
-            Way::new(span, rates)
-        });
-        let ways = ways.collect();
-        Self { course, spans, ways, at: 0, shape }
+    /// Along the stretch of a path between two arc lengths.
+    pub fn new(course: &'a Course, spans: &'a [Span], [from, to]: [f64; 2]) -> Self {
+        let ways = spans.iter().map(|span| Way::of(course, span)).collect();
+        let aside = INSIDE * (to - from);
+        Self { course, spans, ways, at: 0, range: [from + aside, to - aside], shape: Shape::new(course.dimension) }
     }
 
     /// Where polynomial pieces meet: arc length, and piece and parameter on either side.
@@ -76,6 +75,7 @@ impl<'a> Walker<'a> {
 
     /// Three derivatives at arc length `s`, which may not go back far.
     pub fn go(&mut self, s: f64) {
+        let s = s.clamp(self.range[0], self.range[1]);
         while self.at + 1 < self.spans.len() && s >= self.spans[self.at].s[1] {
             self.at += 1;
         }
@@ -84,13 +84,20 @@ impl<'a> Walker<'a> {
         }
         let (span, way) = (&self.spans[self.at], &self.ways[self.at]);
         let target = (s - span.s[0]).clamp(0.0, span.length());
-        let mut tau = target / span.length();
-        for _ in 0..4 {
+        let (mut tau, mut low, mut high) = (target / span.length(), 0.0, 1.0);
+        for _ in 0..50 {
             let miss = way.at(tau) - target;
             if miss.abs() <= 1e-12 * span.length() {
                 break;
             }
-            tau = (tau - miss / way.slope(tau)).clamp(0.0, 1.0);
+            if miss > 0.0 {
+                high = tau;
+            } else {
+                low = tau;
+            }
+            // Where the curve comes to rest by its parameter a step may lead beyond the end.
+            let next = tau - miss / way.slope(tau);
+            tau = if next > low && next < high { next } else { 0.5 * (low + high) };
         }
         self.course.full_shape(span.piece, span.t[0] + (span.t[1] - span.t[0]) * tau, &mut self.shape);
     }

@@ -47,6 +47,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     plant.add_argument("--payload-at", default="0,0,0.08", metavar="X,Y,Z", help="its centre in the frame of the tip, m (default 0,0,0.08)")
     plant.add_argument("--friction", default="reference", metavar="KIND", help="none, reference (default) or full")
     plant.add_argument("--noise", type=float, default=0.5, metavar="NM", help="of torques, standard deviation in joints 1-3, 0.3 of it in the others")
+    plant.add_argument(
+        "--feedforward", default="learned", metavar="WHAT", help="torques the mujoco arm's controller adds: learned (default), or nominal"
+    )
     plant.add_argument("--seed", type=int, default=0, metavar="N", help="of the noise (default 0)")
     real = parser.add_argument_group("real arm")
     real.add_argument(
@@ -130,6 +133,7 @@ def _simulated(arguments: argparse.Namespace, task: Task, path: JointPath) -> in
         friction=arguments.friction,
         noise=arguments.noise,
         seed=arguments.seed,
+        feedforward=arguments.feedforward,
     )
     tell = options.note if arguments.json else print
     interrupted = False
@@ -206,6 +210,8 @@ def _record(arguments: argparse.Namespace, task: Task, path: JointPath, motion: 
 
     record = outputs.record(motion.timed(path, task.limits, task.arm), arguments.rate)
     record.pop("tau_model", None)  # of the nominal arm: it misses what the arm carries
+    if motion.expected:
+        record["tau_model"] = motion.expected(motion.sample(times=record["t"])).round(9).tolist()
     return record
 
 

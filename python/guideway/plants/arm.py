@@ -122,9 +122,11 @@ SPARE = 1.5
 
 PLANTS = {
     "ideal": "follows its reference exactly; torques are those of the true arm along it (the default)",
-    "mujoco": "an arm in the MuJoCo simulator with a tracking controller that knows the nominal arm only",
+    "mujoco": "an arm in the MuJoCo simulator with a tracking controller that knows the nominal arm, and the torques that come with a motion",
 }
 """The plants that :func:`make_arm` makes, with a line each."""
+
+FEEDFORWARD = ("learned", "nominal")
 
 
 def make_arm(
@@ -136,12 +138,17 @@ def make_arm(
     friction: str = "reference",
     noise: float = 0.5,
     seed: int = 0,
+    feedforward: str = "learned",
 ) -> IdealArm | MujocoArm:
     """The simulated plant of that name for the arm of a task.
 
     ``payload`` (kg) sits at ``payload_at`` (m, in the tip's frame); ``friction`` is ``none``, ``reference`` or ``full``; ``noise`` (N m) is that of
-    torques in the first three joints, 0.3 of it in the others. Raises ``BadParameter``, and ``ImportError`` where MuJoCo is missing.
+    torques in the first three joints, 0.3 of it in the others. The controller of ``mujoco`` feeds forward the torques that a motion's learner
+    expects where it says any (``feedforward`` = ``learned``), or those of the nominal arm always (``nominal``). Raises ``BadParameter``, and
+    ``ImportError`` where MuJoCo is missing.
     """
+    if feedforward not in FEEDFORWARD:
+        raise BadParameter(f"feedforward {feedforward!r} is not known: one of {', '.join(FEEDFORWARD)}")
     if plant not in PLANTS:
         raise BadParameter(f"plant {plant!r} is not known: one of {', '.join(PLANTS)}, or an object with run(motion)")
     arm, sensors = task.arm.with_payload(payload, payload_at), Sensors.usual(noise, task.arm.joints)
@@ -152,7 +159,7 @@ def make_arm(
 
     given = task.arm.effort
     rated = np.array([max(limit, own or SPARE * limit) for limit, own in zip(task.torque, given, strict=True)])
-    return MujocoArm(arm, task.arm, rubs, sensors, task.torque, rated, seed)
+    return MujocoArm(arm, task.arm, rubs, sensors, task.torque, rated, seed, feedforward=feedforward)
 
 
 def usual_friction(task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -1,8 +1,8 @@
-"""An arm in the MuJoCo simulator that tracks its reference with a controller which knows the nominal arm only.
+"""An arm in the MuJoCo simulator that tracks its reference with a controller.
 
-Motors turn the joints through gears: rotor inertia, friction and ripple as :mod:`guideway.plants.arm_friction` has them. The controller is nominal
-computed torque along the reference, proportional and differential feedback, and an integrator that settles before the motion starts and then holds;
-torques saturate at ``rated``.
+Motors turn the joints through gears: rotor inertia, friction and ripple as :mod:`guideway.plants.arm_friction` has them. The controller is computed
+torque along the reference, proportional and differential feedback, and an integrator that settles before the motion starts and then holds; torques
+saturate at ``rated``. The torque that is computed is that of the nominal arm, or the one that comes with the motion: what its learner expects.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from guideway.arm.extra import pinocchio
 from guideway.arm.learning.dynamics import Rows, direction
 from guideway.arm.learning.log import Log
-from guideway.arm.learning.motion import Motion
+from guideway.arm.learning.motion import Motion, Sampled
 from guideway.arm.learning.task import Task
 from guideway.arm.model import Arm
 from guideway.errors import GuidewayError
@@ -32,6 +32,8 @@ STEP = 0.0005
 """Of the simulator, s."""
 PER_CONTROL = 2
 """Steps of the simulator in one step of the controller."""
+WITHIN = 4
+"""Instants of a step of the controller that the torque fed forward is the mean of."""
 SETTLE = 0.6
 """At rest before a motion starts, s."""
 ROTOR = 0.1
@@ -43,7 +45,7 @@ STIFFNESS = 60.0
 @dataclass
 class MujocoArm:
     """``arm`` carries the true payload, ``nominal`` is what the controller knows; ``torque`` (N m) are the limits that the safety stop watches,
-    ``rated`` where motors saturate."""
+    ``rated`` where motors saturate; ``feedforward`` is ``learned`` (the torques that come with a motion, where it has any) or ``nominal``."""
 
     arm: Arm
     nominal: Arm
@@ -53,6 +55,7 @@ class MujocoArm:
     rated: Floats
     seed: int = 0
     stop: tuple[float, float] = (1.3, 0.02)
+    feedforward: str = "learned"
     trials: int = field(default=0, init=False)
     true: list[tuple[Floats, Floats]] = field(default_factory=list, init=False)
 
@@ -65,8 +68,11 @@ class MujocoArm:
         """One trial, from rest at the start of the path."""
         every = STEP * PER_CONTROL
         seen = motion.sample(1.0 / every)
-        forward = self.nominal.torques(seen.q, seen.qd, seen.qdd) + ROTOR * seen.qdd
-        q, tau = self._tracked(seen.q, seen.qd, forward, self._gains(seen.q))
+        expected = motion.expected if self.feedforward == "learned" else None
+        expected = expected or self._nominal
+        within = motion.sample(times=(seen.t[:, None] + every * (np.arange(WITHIN) + 0.5) / WITHIN).ravel())
+        forward = expected(within).reshape(len(seen.t), WITHIN, -1).mean(1)
+        q, tau = self._tracked(seen, forward, expected(motion.at_rest())[0])
         stride = max(1, round(1.0 / (self.sensors.rate * every)))
         t, q, tau = seen.t[::stride], q[::stride], tau[::stride]
         end = safety_stop(t, tau, self.torque, self.stop)
@@ -91,8 +97,13 @@ class MujocoArm:
             "friction": asdict(self.friction),
             "rotor": ROTOR,
             "inertials": self.arm.inertials,
+            "feedforward": self.feedforward,
         }
         return {"name": "mujoco", "simulator": f"MuJoCo {self._mj.__version__}"} | about
+
+    def _nominal(self, seen: Sampled) -> Floats:
+        """What the controller knows by itself: the nominal arm and its motors."""
+        return self.nominal.torques(seen.q, seen.qd, seen.qdd) + ROTOR * seen.qdd
 
     def _gains(self, q: Floats) -> Floats:
         """Inertia (joints,) that the feedback is tuned for: the largest of each joint on the path."""
@@ -102,18 +113,19 @@ class MujocoArm:
         inertia = [np.diag(arm.coupling.T @ pin.crba(arm.model, data, row) @ arm.coupling) for row in full]
         return np.max(inertia, 0) + ROTOR
 
-    def _tracked(self, q: Floats, qd: Floats, forward: Floats, inertia: Floats) -> tuple[Floats, Floats]:
-        """Joint angles and motor torques at every step of the controller, once settled."""
-        mj, model = self._mj, self.model
+    def _tracked(self, seen: Sampled, forward: Floats, hold: Floats) -> tuple[Floats, Floats]:
+        """Joint angles and motor torques at every step of the controller, once settled; torques ``forward`` (n, joints) are fed forward, at rest
+        before the motion ``hold`` (joints,)."""
+        mj, model, q, qd, inertia = self._mj, self.model, seen.q, seen.qd, self._gains(seen.q)
         data = mj.MjData(model)
         still = np.zeros(q.shape[1])
-        data.qpos[:], bias, gravity = q[0], still, self.nominal.torques(q[0], still, still)
+        data.qpos[:], bias = q[0], still
         stiff, damp = inertia * STIFFNESS**2, 2 * inertia * STIFFNESS
         settle = round(SETTLE / (STEP * PER_CONTROL))
         found, torques = np.empty_like(q), np.empty_like(q)
         for k in range(-settle, len(q)):
             at = max(k, 0)
-            wanted, ahead = (qd[at], forward[at]) if k >= 0 else (still, gravity)
+            wanted, ahead = (qd[at], forward[at]) if k >= 0 else (still, hold)
             error = q[at] - data.qpos
             if k < 0:
                 bias = bias + 10.0 * stiff * error * STEP * PER_CONTROL
@@ -127,12 +139,19 @@ class MujocoArm:
         return found, torques
 
     def _drive(self, data: Any, tau: Floats) -> None:
-        """Motor torques reach the joint through a gear that ripples; friction of the moment acts."""
+        """Motor torques reach the joint through a gear that ripples; friction of the moment acts. A sharp sign is left to the simulator; a soft
+        one is damping about the speed of the moment, which is stable however steep it is."""
         speed, rub = data.qvel, self.friction
         ways = direction(speed)
-        data.qfrc_applied[:] = tau / rub.gain(data.qpos)
-        self.model.dof_damping[:] = rub.slope(ways, self.trials)
-        self.model.dof_frictionloss[:] = rub.grip(speed, ways, self.trials)
+        grip, slope = rub.grip(speed, ways, self.trials), rub.slope(ways, self.trials)
+        driving = tau / rub.gain(data.qpos)
+        if rub.smooth > 0:
+            soft = np.tanh(speed / rub.smooth)
+            steep = grip * (1 - soft * soft) / rub.smooth
+            driving, slope, grip = driving - grip * soft + steep * speed, slope + steep, np.zeros_like(grip)
+        data.qfrc_applied[:] = driving
+        self.model.dof_damping[:] = slope
+        self.model.dof_frictionloss[:] = grip
 
 
 def document(arm: Arm) -> str:

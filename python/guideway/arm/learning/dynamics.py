@@ -107,6 +107,14 @@ class Dynamics:
             of({"coulomb": direction(q1), "offset": np.ones_like(q1)}, gravity),
         )
 
+    def moving(self, q: Floats, qd: Floats, qdd: Floats, ways: Floats) -> tuple[Floats, Floats]:
+        """Nominal torques (n, joints) of any motion, path or not, and how each joint's unknown numbers enter (n, joints, 15); ``ways`` (n, joints) is
+        which way joints move."""
+        viscous, coulomb = self.arm.friction.arrays(self.joints)
+        nominal = self.arm.rnea(q, qd, qdd) + viscous * qd + coulomb * ways
+        own = np.stack([qd, ways, np.ones_like(qd), np.abs(qd), qdd], 2)
+        return nominal, np.concatenate([self._payload(q, qd, qdd), own], 2)
+
     def _payload(self, q: Floats, qd: Floats, qdd: Floats) -> Floats:
         """Torques (n, joints, 10) of a unit of each inertial number of what the last joint carries."""
         arm, compute = self.arm, pinocchio().computeJointTorqueRegressor

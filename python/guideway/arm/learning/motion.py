@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -42,11 +43,13 @@ class Sampled:
 @dataclass(frozen=True)
 class Motion:
     """Speed squared ``x`` (rad2/s2, (n,)) at the places ``s`` (rad, (n,), increasing, from 0 to the end) of ``path``, linear between: the path
-    acceleration is constant on each interval."""
+    acceleration is constant on each interval. ``expected``: torques (n, joints), N m, that its learner expects at a sample of it, where it can say;
+    a controller may feed them forward."""
 
     path: Any
     s: Floats
     x: Floats
+    expected: Callable[[Sampled], Floats] | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         s, x = np.asarray(self.s, float), np.asarray(self.x, float)
@@ -74,9 +77,14 @@ class Motion:
         """Of the whole motion, s."""
         return float(self.times[-1])
 
+    def at_rest(self) -> Sampled:
+        """The start of the path, standing still, as one sample."""
+        zero, (q, q1) = np.zeros(1), self.path.eval(np.zeros(1), 1)
+        return Sampled(zero, zero, zero, zero, q, np.zeros_like(q), np.zeros_like(q), q1)
+
     def slower(self, factor: float) -> Motion:
         """The same motion with every speed times ``factor``."""
-        return Motion(self.path, self.s, self.x * factor * factor)
+        return Motion(self.path, self.s, self.x * factor * factor, self.expected)
 
     def profile(self, points: int = 250) -> dict[str, list[float]]:
         """Places ``s`` (rad) and squares ``x`` of the speed there (rad2/s2), at about so many of the grid's places, for pictures."""

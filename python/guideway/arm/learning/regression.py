@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from guideway.arm.learning.dynamics import direction
 from guideway.arm.learning.log import Log, smooth
+from guideway.arm.learning.measured import measured
 from guideway.arm.learning.task import Task
 from guideway.arm.learning.unknown import Unknown
 
@@ -21,14 +22,16 @@ FOLLOWED, AWAY = 0.006, 0.01
 """A joint does as it was asked where its speed over twice that time (s) is within this (rad/s), and a fifth, of what it should be."""
 STUCK = 0.3
 """Time after a turn (s) in which that is looked at."""
+LEAST = 3
+"""Trials from which on it is looked whether friction warms up."""
 QUIET = 15
 """Samples of the moving average that a gear's ripple is taken to multiply."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Of one trial, a row per sample (n, joints): joint angles ``q``, torques ``tau`` without their noise, measured less nominal torques ``left``,
-    how the unknown numbers enter (n, joints, width), and where the arm was ``following`` its reference."""
+    """Of one trial as it was measured, a row per sample (n, joints): joint angles ``q``, torques ``tau`` without their noise, measured less nominal
+    torques ``left``, how the unknown numbers enter (n, joints, width), and where the arm was ``following`` its reference."""
 
     q: Floats
     tau: Floats
@@ -39,10 +42,10 @@ class Samples:
 
 @dataclass(frozen=True)
 class Evidence:
-    """A trial as the regression needs it. Normal equations of each joint's own numbers: ``square`` (joints, w, w), ``cross`` (joints, w),
-    ``samples``; noise ``sigma`` (joints,), N m. For what is left over, means over the samples in each of B bins of the path in which the joint
-    followed its reference: ``counts`` (B, joints), measured less nominal torque ``left`` (B, joints), how the unknown numbers enter it ``effects``
-    (B, joints, w), and the conditions ``u``, ``x`` (B,) it was measured under."""
+    """A trial as the regression needs it. Normal equations of each joint's own numbers, of the motion as it was measured: ``square`` (joints, w, w),
+    ``cross`` (joints, w), ``samples``; noise ``sigma`` (joints,), N m. For what is left over, means over the samples in each of B bins of the path in
+    which the joint followed its reference: ``counts`` (B, joints), measured torque less the nominal one of the reference ``left`` (B, joints), how
+    the unknown numbers enter the reference ``effects`` (B, joints, w), and the conditions ``u``, ``x`` (B,) it was measured under."""
 
     square: Floats
     cross: Floats
@@ -57,29 +60,32 @@ class Evidence:
 
 def evidence(task: Task, log: Log, unknown: Unknown, lag: int | None, bins: int) -> tuple[Evidence, Samples, int]:
     """A log as evidence, its samples, and the delay of its torques in samples (found where ``lag`` is None)."""
-    seen = log.reference
-    path = task.path.eval(seen.s, 2)
-    x = seen.speed**2
-    left = log.tau - task.dynamics.nominal(*path).at(seen.u, x)
-    nominal = log.tau - left
-    plain = task.dynamics.own_parameters(*path).at(seen.u, x)
-    sigma = np.maximum(log.noise, 1e-3 * task.torque)
-    following = _following(log, direction(path[1]))
+    seen, x, ways = log.reference, log.reference.speed**2, direction(log.reference.q1)
+    asked = (seen.q, seen.qd, seen.qdd, ways)
+    moved = measured(log)
+    sigma, following = np.maximum(log.noise, 1e-3 * task.torque), _following(log, ways)
+    real = moved or asked
+    nominal, plain = task.dynamics.moving(*real)
     if lag is None:
-        lag = _lag(log.tau, nominal, Unknown(task, False), plain, sigma, following)
+        lag = _lag(log.tau, nominal, Unknown(task, False), plain, sigma, following & (ways != 0))
     count = len(log.t) - lag
-    tau = smooth(log.tau, QUIET)[lag:]
-    effects = unknown.effects(plain[:count], seen.qd[:count], direction(path[1])[:count], path[0][:count], tau)
-    left = log.tau[lag:] - nominal[:count]
+    tau, following = smooth(log.tau, QUIET)[lag:], following[:count]
+
+    def entering(motion: tuple[Floats, ...], nominal: Floats, plain: Floats) -> tuple[Floats, Floats]:
+        q, qd, _, ways = (part[:count] for part in motion)
+        return log.tau[lag:] - nominal[:count], unknown.effects(plain[:count], qd, ways, q, tau)
+
+    left, effects = entering(real, nominal, plain)
+    again = (left, effects) if moved is None else entering(asked, *task.dynamics.moving(*asked))
     place = np.minimum((seen.s[:count] / task.s[-1] * bins).astype(int), bins - 1)
-    following = following[:count]
     sums = _sums(place, bins)
     counts, all_ = sums(following.astype(float)), np.maximum(sums(np.ones(count)), 1.0)
     each = np.maximum(counts, 1.0)
-    square, cross = _normal(effects, left, following)
-    means = sums(left * following) / each, sums(effects * following[..., None]) / each[..., None], sums(seen.u[:count]) / all_, sums(x[:count]) / all_
-    found = Evidence(square, cross, count, sigma, counts, *means)
-    return found, Samples(path[0][:count], tau, left, effects, following), lag
+    means = sums(again[0] * following) / each, sums(again[1] * following[..., None]) / each[..., None]
+    conditions = sums(seen.u[:count]) / all_, sums(x[:count]) / all_
+    moves = following & (ways[:count] != 0)  # a joint that stands still holds by its friction, of any size: it says nothing about the load
+    found = Evidence(*_normal(effects, left, moves), count, sigma, counts, *means, *conditions)
+    return found, Samples(real[0][:count], tau, left, effects, following), lag
 
 
 def _following(log: Log, ways: Floats) -> NDArray[np.bool_]:
@@ -144,11 +150,19 @@ def predicted(unknown: Unknown, effects: Floats, numbers: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Posterior:
-    """What is believed about the ``unknown`` numbers: their ``mean`` (p,) and ``covariance`` (p, p)."""
+    """What is believed about the ``unknown`` numbers in the trial to come: their ``mean`` (p,) and ``covariance`` (p, p). Friction warms up: from
+    trial to trial ``rubbing`` (p,), the numbers that are friction, change by the share ``warming``, known to a standard deviation of ``unsure``."""
 
     unknown: Unknown
     mean: Floats
     covariance: Floats
+    rubbing: Floats
+    warming: float = 0.0
+    unsure: float = 0.0
+
+    def before(self, back: int) -> Floats:
+        """The numbers (p,) as they were ``back`` trials before the one to come."""
+        return self.mean - back * self.warming * self.rubbing
 
     def spread(self, effects: Floats) -> Floats:
         """Standard deviation (n, joints) of a torque, N m, into which the numbers enter by ``effects`` (n, joints, width)."""
@@ -158,14 +172,35 @@ class Posterior:
         return np.sqrt(np.maximum(((each @ blocks) * each).sum(-1), 0.0)).T
 
 
-def posterior(trials: list[Evidence], unknown: Unknown, forget: float, inflation: Floats) -> Posterior:
+def posterior(trials: list[Evidence], unknown: Unknown, forget: float, inflation: Floats, warming: float = 0.0) -> Posterior:
     """All trials together; each counts ``forget`` times less than the next. ``inflation`` (joints,) is by how much the variance of a sample is
-    larger than its noise because what is left over is alike from sample to sample."""
-    sizes = unknown.sizes
-    square, cross = 0.0, 0.0
-    for age, trial in enumerate(reversed(trials)):
-        weight = forget**age / (trial.sigma**2 * inflation)
-        square, cross = square + weight[:, None, None] * trial.square, cross + weight[:, None] * trial.cross
+    larger than its noise because what is left over is alike from sample to sample. ``warming``: standard deviation, before the trials, of the share
+    by which friction changes from one to the next, the same in all joints; from three trials on it is estimated."""
+    weights = [forget**age / (trial.sigma**2 * inflation) for age, trial in enumerate(reversed(trials))][::-1]
+    square = sum(weight[:, None, None] * trial.square for weight, trial in zip(weights, trials, strict=True))
+    cross = sum(weight[:, None] * trial.cross for weight, trial in zip(weights, trials, strict=True))
     normal, right = assembled(unknown, np.asarray(square), np.asarray(cross))
-    covariance = np.linalg.inv(np.eye(unknown.count) + normal * np.outer(sizes, sizes))
-    return Posterior(unknown, sizes * (covariance @ (right * sizes)), covariance * np.outer(sizes, sizes))
+    mean, covariance = _solved(normal, right, unknown.sizes)
+    rubbing = np.where(unknown.rubs, mean, 0.0)
+    if not warming or len(trials) < LEAST:
+        return Posterior(unknown, mean, covariance, rubbing)
+    # friction in trial k is friction * (1 + k warming), k counted back from the trial to come: one number more, whose effect is k times that of
+    # friction, so its equations follow from those of the others
+    count, own = unknown.count, rubbing[unknown.index]
+    normal, right = np.pad(normal, (0, 1)), np.pad(right, (0, 1))
+    for back, (weight, trial) in enumerate(zip(reversed(weights), reversed(trials), strict=True), 1):
+        mixed = -back * weight[:, None] * np.einsum("jab,jb->ja", trial.square, own)
+        for index, part in zip(unknown.index, mixed, strict=True):
+            normal[index, count] += part
+        normal[count, count] -= back * float((mixed * own).sum())
+        right[count] -= back * float((weight[:, None] * trial.cross * own).sum())
+    normal[count, :count] = normal[:count, count]
+    mean, covariance = _solved(normal, right, np.append(unknown.sizes, warming))
+    unsure = float(np.sqrt(covariance[count, count]))
+    return Posterior(unknown, mean[:count], covariance[:count, :count], rubbing, float(mean[count]), unsure)
+
+
+def _solved(normal: Floats, right: Floats, sizes: Floats) -> tuple[Floats, Floats]:
+    """Mean (p,) and covariance (p, p) of numbers of these sizes before anything was measured."""
+    covariance = np.linalg.inv(np.eye(len(sizes)) + normal * np.outer(sizes, sizes))
+    return sizes * (covariance @ (right * sizes)), covariance * np.outer(sizes, sizes)

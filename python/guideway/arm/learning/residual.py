@@ -11,6 +11,8 @@ from guideway.arm.learning.regression import Evidence, Posterior, predicted
 
 Floats = NDArray[np.float64]
 
+LATELY = 3
+"""Trials, the newest ones, that say how large it is."""
 NEAR = 4
 """Bins either way over which a place is looked at alone."""
 APART = 12.0
@@ -34,21 +36,28 @@ class Residual:
 
 def amplitude(trials: list[Evidence], belief: Posterior) -> Floats:
     """Root mean square (B, joints) of what is left over and alike in neighbouring bins: noise is not, so it drops out. It is that of the whole path,
-    but of the neighbourhood where that stands out (a joint that turns round, a place where the arm does not follow)."""
-    newest = trials[-1]
-    both = ((newest.counts[1:] > 0) & (newest.counts[:-1] > 0)).astype(float)
-    left = newest.left - predicted(belief.unknown, newest.effects, belief.mean)
-    product = left[1:] * left[:-1] * both
-    near, count = _around(product), _around(both)
-    usual = np.nanmedian(np.where(both > 0, np.abs(product), np.nan), 0) if both.any(0).all() else np.abs(product).max(0)
+    but of the neighbourhood where that stands out (a joint that turns round, a place where the arm does not follow). The newest trials count, but not
+    the very first, which is slow and in which the controller knew nothing of the load."""
+    newest = trials[max(1, len(trials) - LATELY) :] or trials
+    both = np.stack([((trial.counts[1:] > 0) & (trial.counts[:-1] > 0)).astype(float) for trial in newest])
+    left = np.stack([_left(trial, belief, back) for back, trial in zip(range(len(newest), 0, -1), newest, strict=True)])
+    product = left[:, 1:] * left[:, :-1] * both
+    near, count = _around(product.sum(0)), _around(both.sum(0))
+    met = both.any((0, 1))
+    usual = np.where(met, np.nanmedian(np.where((both > 0) | ~met, np.abs(product), np.nan), (0, 1)), np.abs(product).max((0, 1)))
     apart = near > count * np.maximum(APART * usual, 1e-300)
     calm = both * ~apart
-    whole = np.maximum(calm.sum(0), 1.0)
-    level = (calm * product).sum(0) / whole
-    doubt = np.sqrt((calm * (product - level) ** 2).sum(0)) / whole
+    whole = np.maximum(calm.sum((0, 1)), 1.0)
+    level = (calm * product).sum((0, 1)) / whole
+    doubt = np.sqrt((calm * (product - level) ** 2).sum((0, 1))) / whole
     found = np.where(apart, near / np.maximum(count, 1.0), level + doubt)
     found = np.maximum(np.concatenate([found[:1], found]), np.concatenate([found, found[-1:]]))
     return np.sqrt(np.maximum(found, 0.0))
+
+
+def _left(trial: Evidence, belief: Posterior, back: int) -> Floats:
+    """What the numbers leave over of a trial, ``back`` trials before the one to come."""
+    return trial.left - predicted(belief.unknown, trial.effects, belief.before(back))
 
 
 def _around(values: Floats) -> Floats:
@@ -63,11 +72,11 @@ def condition(trials: list[Evidence], belief: Posterior, size: Floats, age: list
     trial the share (B, joints) of its variance that the trial says nothing about, because it was run under other conditions or long ago."""
     bins, joints = trials[0].left.shape
     weight, right = np.full((bins, joints), 1e-12), np.zeros((bins, joints))
-    for trial, old in zip(trials, age, strict=True):
+    for back, trial, old in zip(range(len(trials), 0, -1), trials, age, strict=True):
         variance = trial.sigma**2 / np.maximum(trial.counts, 1.0) + old * size**2
         share = np.where(trial.counts > 0, 1.0 / np.maximum(variance, 1e-12), 0.0)
         weight += share
-        right += share * (trial.left - predicted(belief.unknown, trial.effects, belief.mean))
+        right += share * _left(trial, belief, back)
     mean, spread = smoothed(right / weight / size, 1.0 / weight / size**2, np.ones(joints), float(np.exp(-1.0 / length)))
     return Residual(size * mean, size * spread)
 

@@ -12,13 +12,14 @@ right for a motion that was never run.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from guideway.arm.learning.dynamics import Rows
-from guideway.arm.learning.log import Log
+from guideway.arm.learning.expected import Expected
+from guideway.arm.learning.log import WINDOW, Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.regression import Evidence, Posterior, Samples, evidence, posterior, predicted
 from guideway.arm.learning.residual import Residual, amplitude, condition
@@ -41,12 +42,18 @@ ALIKE = 0.3
 LEAST = 0.25
 """Share of the torque beside holding and rubbing that is planned with whatever the doubt: where even standing still may be too much, creeping does
 not help."""
+TRIED = 0.2
+"""Share of the margin that is kept where a trial was run under the very conditions that are planned."""
+WARMING = 0.01
+"""Share by which friction may change from trial to trial, standard deviation."""
 REMEMBERED = 3
 """Trials that a motion is compared with, the newest ones."""
 ENOUGH = 2
 """Samples in a bin, at the least, that make a trial worth comparing with there."""
 FADES = 0.6
 """What was felt beyond a limit is taken back by that share of what a later trial leaves unused there."""
+LOUD = 2.0
+"""Standard deviations of filtered noise by which the largest of a few dozen samples stands out."""
 ASIDE = 3
 """Bins either side of a violation that share in it."""
 ROUNDS = 4
@@ -99,20 +106,23 @@ class Structured:
             self._trials = [self._evidence(log)[0] for log in logs[:-1]]
             found, samples, _ = self._evidence(logs[-1])
             self._trials.append(found)
-        self._feel(logs[-1], samples)
+        if logs[-1].motion.expected is not None or len(logs) > 1:
+            self._feel(logs[-1])
 
-    def _feel(self, log: Log, samples: Samples) -> None:
+    def _feel(self, log: Log) -> None:
         """Where torques were beyond their limits and the numbers do not say why (a controller that overshoots as a joint breaks loose), as much is
         kept away from the limits for the next trials."""
-        torque, unknown, count = self.task.torque, self._along.unknown, len(samples.q)
-        over, seen = log.violations(torque)[-count:], log.filtered[-count:]
-        explained = log.tau[-count:] - samples.left + predicted(unknown, samples.effects, self._belief()[0].mean)
+        torque = self.task.torque
+        explained = Expected(self._along, self._belief()[0].before(1))(log.reference)
+        lag, count = self._lag or 0, len(log.t) - (self._lag or 0)
+        over, seen, explained = log.violations(torque)[lag:], log.filtered[lag:], explained[:count]
         place = np.minimum((log.reference.s[:count] / self.task.s[-1] * BINS).astype(int), BINS - 1)
+        loud = LOUD * log.noise / np.sqrt(WINDOW)
         for side, sign in enumerate((-1.0, 1.0)):
             excess, peak = np.zeros(self._felt.shape[1:]), np.zeros(self._felt.shape[1:])
             np.maximum.at(excess, place, np.where(over, np.maximum(sign * seen - np.maximum(sign * explained, torque), 0.0), 0.0))
             np.maximum.at(peak, place, sign * seen)
-            spare = np.maximum(torque * (1 - self.margin) - _nearby(peak), 0.0)
+            spare = np.maximum(torque * (1 - self.margin) - (_nearby(peak) - loud), 0.0)
             self._felt[side] = np.maximum(self._felt[side] - FADES * spare, 0.0) + _nearby(excess)
 
     def _evidence(self, log: Log) -> tuple[Evidence, Samples, int]:
@@ -151,7 +161,7 @@ class Structured:
                 now = self._predicted(belief, size, motion)
                 model = now if step < ROUNDS - 2 else now.wider(model)
         self.lower_bound = GRID * max(self._kinematic.duration, min(self._fastest(belief, size, model, motion), motion.duration))
-        self._planned = motion
+        self._planned = replace(motion, expected=Expected(self._along, belief.mean))
 
     def _fastest(self, belief: Posterior, size: Floats, model: Model, motion: Motion) -> float:
         """Duration of the optimum of the optimistic model: limits widened by as much as the margin draws them in. Friction at low speed depends on
@@ -184,14 +194,15 @@ class Structured:
     def _belief(self) -> tuple[Posterior, Floats]:
         """The unknown numbers, and the size (bins, joints) of what they leave over: the more is left over, the less a sample says about them."""
         newest, unknown = self._trials[-1], self._along.unknown
-        belief = posterior(self._trials, unknown, self.forget, np.ones(unknown.joints))
+        belief = posterior(self._trials, unknown, self.forget, np.ones(unknown.joints), WARMING)
         size = np.median(amplitude(self._trials, belief), 0)
         inflation = 1 + newest.samples / BINS * LENGTH * size**2 / newest.sigma**2
-        belief = posterior(self._trials, unknown, self.forget, inflation)
+        belief = posterior(self._trials, unknown, self.forget, inflation, WARMING)
         return belief, np.maximum(amplitude(self._trials, belief), 1e-4 * self.task.torque)
 
-    def _residual(self, belief: Posterior, size: Floats, rows: Rows, motion: Motion) -> Residual:
-        """The process, as far as past trials ran under the conditions that ``motion`` would run under."""
+    def _residual(self, belief: Posterior, size: Floats, rows: Rows, motion: Motion) -> tuple[Residual, Floats]:
+        """The process, as far as past trials ran under the conditions that ``motion`` would run under, and the share (bins, joints) of those
+        conditions that the trial that is most alike says nothing about."""
         task = self.task
         centre = (np.arange(BINS) + 0.5) / BINS * task.s[-1]
         nearest = np.clip(np.searchsorted(task.s, centre), 0, len(task.s) - 2)
@@ -201,17 +212,23 @@ class Structured:
         for back, trial in enumerate(reversed(self._trials)):
             other = (wanted - rows.at(trial.u, trial.x)) / (ALIKE * task.torque)
             age.append(np.minimum(other**2 + (1 - self.forget**back), 1e3))
-        return condition(self._trials, belief, size, age[::-1], LENGTH)
+        new = np.min([np.where(trial.counts > 0, np.minimum(old, 1.0), 1.0) for trial, old in zip(reversed(self._trials), age, strict=True)], 0)
+        return condition(self._trials, belief, size, age[::-1], LENGTH), new
 
     def _predicted(self, belief: Posterior, size: Floats, motion: Motion) -> Model:
         """What the torque of ``motion`` will be, residual and all."""
         along = self._along
         rows, below, above = along.rows(belief.mean, motion.x)
         share = self.task.s / self.task.s[-1]
-        mean, own = self._residual(belief, size, rows, motion).on(share)
-        both = [self._doubt(belief, along.effects(u, motion.x, rows.at(u, motion.x))) for u in sides(motion)]
-        spread = np.sqrt(np.maximum(*both) ** 2 + own**2)
-        return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below + self._felt[0][self._place], above + self._felt[1][self._place])
+        residual, new = self._residual(belief, size, rows, motion)
+        mean, own = residual.on(share)
+        margin = self.margin * (TRIED + (1 - TRIED) * _nearby(new)[self._place])
+        effects = [along.effects(u, motion.x, rows.at(u, motion.x)) for u in sides(motion)]
+        both = [self._doubt(belief, part) for part in effects]
+        wander = belief.unsure * predicted(along.unknown, effects[0], belief.rubbing)
+        spread = np.sqrt(np.maximum(*both) ** 2 + own**2 + wander**2)
+        below, above = below + self._felt[0][self._place], above + self._felt[1][self._place]
+        return Model(Rows(rows.a, rows.b, rows.d, rows.c + mean), spread, below, above, margin)
 
     def _doubt(self, belief: Posterior, effects: Floats) -> Floats:
         """Standard deviation (n, joints) of a torque because the numbers are uncertain: of all of it, or of what is different from a trial where
@@ -226,7 +243,7 @@ class Structured:
         """How much torque may be planned with, lowest and highest; always a little more than holding and rubbing take, or nothing could be
         planned."""
         torque, c = self.task.torque, model.rows.c
-        room = torque * (1 - self.margin)
+        room = torque * (1 - model.margin)
         least = np.abs(c) + np.maximum(LEAST * (room - np.abs(c)), 1e-3 * torque)
         room = room - self.sigmas * model.spread
         return -np.maximum(room - model.below, least), np.maximum(room - model.above, least)
@@ -235,16 +252,18 @@ class Structured:
 @dataclass(frozen=True)
 class Model:
     """What is predicted of a motion's torques: ``rows``, their standard deviation ``spread``, and how far friction may be ``below`` and ``above``
-    them between grid points; all (n, joints), N m."""
+    them between grid points, all (n, joints), N m; and the ``margin`` that is kept beside them, share of the limit."""
 
     rows: Rows
     spread: Floats
     below: Floats
     above: Floats
+    margin: Floats
 
     def wider(self, other: Model) -> Model:
-        """With the larger ones of both spreads and ranges."""
-        return Model(self.rows, np.maximum(self.spread, other.spread), np.maximum(self.below, other.below), np.maximum(self.above, other.above))
+        """With the larger ones of both spreads, ranges and margins."""
+        parts = ((self.spread, other.spread), (self.below, other.below), (self.above, other.above), (self.margin, other.margin))
+        return Model(self.rows, *(np.maximum(*pair) for pair in parts))
 
 
 def _nearby(values: Floats) -> Floats:

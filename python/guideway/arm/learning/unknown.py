@@ -28,13 +28,15 @@ END = 0.2
 """From here on it differs by nothing, rad/s."""
 PLAIN = PAYLOAD + len(OF_A_JOINT)
 COULOMB = PAYLOAD + OF_A_JOINT.index("coulomb")
+RUBS = ("viscous", "coulomb", "offset", "viscous asymmetry")
 CURVE = 2 * len(SPEEDS)
 WAVES = 2
 
 
 class Unknown:
     """Which numbers are sought for a task: ``index`` (joints, width) are those that each joint's torque depends on, of ``count`` in all; ``sizes``
-    (count,) their standard deviations before the first trial. ``cycles`` (joints,): ripple in waves per rad of joint angle times 2 pi, 0 for none."""
+    (count,) their standard deviations before the first trial, ``rubs`` (count,) whether they are friction. ``cycles`` (joints,): ripple in waves per
+    rad of joint angle times 2 pi, 0 for none."""
 
     def __init__(self, task: Task, curves: bool = True, cycles: Floats | None = None) -> None:
         self.joints, self.curves = len(task.torque), curves
@@ -43,6 +45,9 @@ class Unknown:
         numbers = PAYLOAD + self.joints * np.arange(own) + np.arange(self.joints)[:, None]
         self.index = np.concatenate([np.broadcast_to(np.arange(PAYLOAD), (self.joints, PAYLOAD)), numbers], 1)
         self.count = PAYLOAD + own * self.joints
+        friction = [name in RUBS for name in OF_A_JOINT] + [True] * (CURVE if curves else 0)
+        self.rubs = np.zeros(self.count, bool)
+        self.rubs[PAYLOAD : PAYLOAD + self.joints * len(friction)] = np.repeat(friction, self.joints)
         self.sizes = _sizes(task, curves, bool(self.cycles.any()))
 
     def effects(self, plain: Floats, qd: Floats, ways: Floats, q: Floats, tau: Floats) -> Floats:

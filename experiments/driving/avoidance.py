@@ -14,10 +14,12 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage, stats
+from scipy import stats
 from tqdm import tqdm
 
 import guideway as gw
+from guideway.lab import driven as measures
+from guideway.lab import movers
 
 Row = dict[str, Any]
 Floats = npt.NDArray[np.float64]
@@ -36,63 +38,6 @@ CASES: dict[str, tuple[str, dict[str, Any], str]] = {
 """Controller, its settings, and the robot."""
 PAIRS = [("improved", "classic"), ("improved", "no path term"), ("improved, centred", "classic, centred"), ("first reading", "classic")]
 """What is compared on the scenes that both have."""
-CELL, TICK, RADIUS = 0.1, 0.1, 0.2
-NEAR = 1.5
-"""A mover nearer than this, m, is avoided."""
-
-
-def way_exists(scene: gw.scenes.RoomScene, limit: float) -> bool:
-    """Is there a way in space and time for a point that goes 0.1 m in 0.1 s, or waits, among the true motions? What appears is there all along."""
-    x0, y0, x1, y1 = scene.scene.bounds
-    xs, ys = np.arange(x0, x1 + 1e-9, CELL), np.arange(y0, y1 + 1e-9, CELL)
-    px, py = np.meshgrid(xs, ys, indexing="ij")
-    free = np.ones(px.shape, bool)
-    for x, y, r in scene.discs:
-        free &= np.hypot(px - x, py - y) >= r + RADIUS
-    query = scene.query()
-    at = tuple(round((query.start[k] - (x0, y0)[k]) / CELL) for k in (0, 1))
-    goal = np.hypot(px - query.goal[0], py - query.goal[1]) <= 0.2
-    reached = np.zeros(px.shape, bool)
-    reached[at] = True
-    cross = ndimage.generate_binary_structure(2, 1)
-    for k in range(round(limit / TICK) + 1):
-        open_now = free.copy()
-        for mover in scene.scene.movers:
-            x, y = place(mover, k * TICK)
-            open_now &= np.hypot(px - x, py - y) >= (mover.shape.disc or 0.0) + RADIUS
-        reached &= open_now
-        if (reached & goal).any():
-            return True
-        reached = ndimage.binary_dilation(reached, cross)
-    return False
-
-
-def place(mover: Any, t: float) -> tuple[float, float]:
-    """Where a mover is."""
-    track = mover.track
-    period = track[-1][0]
-    if period == 0:
-        return track[0][1], track[0][2]
-    u = (t + mover.phase) % (2 * period)
-    r = (u if u <= period else 2 * period - u) / period
-    return track[0][1] + r * (track[-1][1] - track[0][1]), track[0][2] + r * (track[-1][2] - track[0][2])
-
-
-def deviation(run: Row, scene: gw.scenes.RoomScene) -> float | None:
-    """Mean distance (m) of the driven path from the first plan, from the nearest approach to the first avoided mover on."""
-    line = np.array(run["plan"]["polyline"])
-    driven = np.array(run["driven"])[::5]
-    gaps = [
-        min(math.dist(place(m, t), (x, y)) - (m.shape.disc or 0.0) - RADIUS for m in scene.scene.movers if m.appears is None)
-        for t, x, y in driven[:, :3]
-    ]
-    met = [i for i in range(1, len(gaps) - 1) if gaps[i] < NEAR and gaps[i] <= gaps[i - 1] and gaps[i] <= gaps[i + 1]]
-    if not met:
-        return None
-    p, a, b = driven[met[0] :, None, 1:3], line[None, :-1], line[None, 1:]
-    e = b - a
-    r = np.clip(((p - a) * e).sum(-1) / np.maximum((e * e).sum(-1), 1e-12), 0, 1)
-    return float(np.hypot(*np.moveaxis(p - a - r[..., None] * e, -1, 0)).min(1).mean())
 
 
 def driven_into(run: Row, scene: gw.scenes.RoomScene) -> bool:
@@ -100,9 +45,9 @@ def driven_into(run: Row, scene: gw.scenes.RoomScene) -> bool:
     kind, _, number = run["collision"]["with"].partition(" ")
     if kind != "mover":
         return False
-    mover, t = scene.scene.movers[int(number)], run["collision"]["t"]
-    (x, y), (before, after) = run["driven"][-1][1:3], [place(mover, t + h) for h in (-0.01, 0.01)]
-    return mover.appears is None and math.dist(after, (x, y)) < math.dist(before, (x, y))
+    mover, t = movers.Moving(scene.query().world.movers[int(number)]), run["collision"]["t"]
+    before, after = (mover.distance(run["driven"][-1][1:3], t + h) for h in (-0.01, 0.01))
+    return not mover.appears and after < before
 
 
 def driven(task: tuple[int, str]) -> Row:
@@ -118,9 +63,9 @@ def driven(task: tuple[int, str]) -> Row:
     row = {"seed": seed, "case": case, "outcome": run["outcome"], "time": run["time"], "planned": motion.duration, "replans": run["replans"]}
     row |= {"moving": bool(hit and not hit["unavoidable"]), "parked": bool(hit and hit["unavoidable"]), "with": hit and hit["with"]}
     row |= {"into": bool(hit and driven_into(run, scene)), "length": run["tracking"]["length"], "still": run["separation"]["static"]}
-    row |= {"deviation": deviation(run, scene), "separation": run["separation"]["movers"], "step": run["step_seconds"]["p50"]}
+    row |= {"deviation": measures.deviation(run, scene.query()), "separation": run["separation"]["movers"], "step": run["step_seconds"]["p50"]}
     if case == "default":
-        row["way"] = way_exists(scene, limit)
+        row["way"] = movers.way_exists(scene.query(), limit)
     return row
 
 

@@ -199,3 +199,11 @@ def test_a_changed_file_is_another_experiment(tmp_path):
         with pytest.raises(gw.BadParameter, match="another version"):
             lab.run(changed, tmp_path / "out", workers=1, resume=True)
         path.write_text((tmp_path / name).read_text())
+
+
+def test_seeds_that_are_too_many_are_refused(tmp_path):
+    path = tmp_path / "early.toml"
+    path.write_text(TEXT.format(kind="plan", world=WORLD, query='[[queries]]\nname = "a"\n[[queries]]\nname = "b"', method=""), "utf-8")
+    assert len(lab.with_seeds(read(path), 50_000).runs()) == 100_000
+    with pytest.raises(gw.BadParameter, match="100002 runs"):
+        lab.with_seeds(read(path), 50_001)

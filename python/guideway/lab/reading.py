@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from guideway.errors import BadFile, GuidewayError
+from guideway.errors import BadFile, BadParameter, GuidewayError
 from guideway.io import files
 from guideway.io.files import show, word
 from guideway.io.packaged import is_packaged
@@ -64,7 +64,10 @@ def quick(experiment: Experiment) -> Experiment:
 
 
 def with_seeds(experiment: Experiment, count: int) -> Experiment:
-    """The experiment with seeds 0 to ``count`` - 1."""
+    """The experiment with seeds 0 to ``count`` - 1. Raises :class:`guideway.errors.BadParameter` for more runs than an experiment may have."""
+    runs = count * len(experiment.worlds) * len(experiment.queries) * len(experiment.methods)
+    if runs > MOST:
+        raise BadParameter(f"--seeds {count} makes {runs} runs of {experiment.name}: at most {MOST}")
     return replace(experiment, seeds=tuple(range(count)))
 
 

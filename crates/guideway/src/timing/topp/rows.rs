@@ -36,6 +36,20 @@ impl Rows {
         }
     }
 
+    /// Rows of some of the places.
+    pub(super) fn only(&self, places: &[usize]) -> Self {
+        let pick = |values: &[f64]| places.iter().flat_map(|k| values[k * self.count..(k + 1) * self.count].iter().copied()).collect();
+        Self {
+            count: self.count,
+            a: pick(&self.a),
+            b: pick(&self.b),
+            c: pick(&self.c),
+            d: pick(&self.d),
+            low: pick(&self.low),
+            high: pick(&self.high),
+        }
+    }
+
     /// Itself, if it has values for so many places that are numbers.
     /// # Errors
     /// [`PlanError::BadParameter`] names the array.

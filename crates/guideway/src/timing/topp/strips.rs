@@ -149,6 +149,13 @@ impl Strips {
         }
     }
 
+    /// As [`Strips::fill`] once more, from other rows.
+    pub fn refill(&mut self, ceiling: &[f64], rows: &Rows) {
+        self.floor.fill(0.0);
+        self.ceiling.copy_from_slice(ceiling);
+        self.fill(rows);
+    }
+
     fn lines(&self, k: usize) -> [&[[f64; LANES]]; 3] {
         let range = k * self.width..(k + 1) * self.width;
         [&self.slope[range.clone()], &self.low[range.clone()], &self.high[range]].map(|v| v.as_chunks().0)

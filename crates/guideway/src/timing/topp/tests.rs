@@ -429,3 +429,25 @@ fn viscous_rows_near_the_static_limit_have_a_motion() {
     }
     assert!(x[100] > 0.03, "{}", x[100]);
 }
+
+#[test]
+fn viscous_rows_settle_at_the_same_profile_from_a_coarse_guess_and_without() {
+    let n = 1000;
+    let s: Vec<f64> = (0..=n).map(|k| 3.0 * f64::from(k) / f64::from(n)).collect();
+    let at = |f: &dyn Fn(f64) -> [f64; 2]| s.iter().flat_map(|s| f(*s)).collect::<Vec<f64>>();
+    let rows = Rows {
+        count: 2,
+        a: at(&|s| [1.0 + 0.5 * (5.0 * s).sin(), (3.0 * s).cos()]),
+        b: at(&|s| [(4.0 * s).cos(), 0.8 * (2.0 * s).sin()]),
+        c: at(&|s| [2.0 * (7.0 * s).sin(), 1.0]),
+        d: at(&|s| [0.7 + s.sin(), -0.4]),
+        low: [-6.0, -4.0].repeat(s.len()),
+        high: [6.0, 4.0].repeat(s.len()),
+    };
+    let ceiling = vec![9.0; s.len()];
+    let [fast, plain] = [kernel(&s, &ceiling, &rows, [0.0; 2]).unwrap(), super::kernel::settle(&s, &ceiling, &rows, [0.0; 2], None).unwrap()];
+    assert!(fast.iter().all(|x| *x < 9.0) && fast[500] > 0.1);
+    for (k, (a, b)) in fast.iter().zip(&plain).enumerate() {
+        assert!((a - b).abs() <= 1e-8 * (1.0 + b), "{k}: {a} {b}");
+    }
+}

@@ -37,7 +37,7 @@ bench: $(VENV)/.tested
 	$(BIN)/python -m pip install --quiet -c constraints.txt -r benches/requirements.txt
 	$(BIN)/python benches/run.py
 
-# Every experiment in its small version, and the report: at most ten minutes on two cores. `make results` is the whole: many hours. Both go on where they
+# Every experiment in its small version, and the report: at most ten minutes on two cores. `make results` is the whole: about two hours of CPU time. Both go on where they
 # were stopped.
 results-quick: $(VENV)/.results
 	$(BIN)/guideway lab run all --quick --resume --out results/quick

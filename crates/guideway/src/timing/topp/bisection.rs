@@ -8,8 +8,8 @@ use super::limits::Bounds;
 use super::problem::{Problem, Raw};
 use super::strips::Stuck;
 
-/// Bisections of a speed.
-const HALVINGS: u32 = 60;
+/// Most bisections of a speed: beside a turn it is some 1e-20 of the ceiling.
+const HALVINGS: u32 = 200;
 /// Places tried where the set of speeds may have gaps.
 const SCAN: u32 = 40;
 /// Share of the bound by which a limit may be missed by rounding.

@@ -8,6 +8,9 @@ export PROPTEST_RNG_SEED ?= 20261122
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock pyproject.toml
 PYTHON_SOURCES := $(shell find python -type f -not -name '*.so' -not -path '*/__pycache__/*')
 
+# Files of tests are shared out between two processes.
+PARALLEL := -n 2 --dist loadfile
+
 .PHONY: demo test test-slow lint fmt bench results results-quick docs clean tools
 
 demo: $(VENV)/.installed
@@ -15,7 +18,7 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.tested
 	cargo test --quiet --package guideway
-	$(BIN)/python -m pytest -q tests/python
+	$(BIN)/python -m pytest -q $(PARALLEL) tests/python
 
 test-slow: $(VENV)/.tested
 	cargo test --release --package guideway --features slow
@@ -61,19 +64,13 @@ tools:
 $(BIN)/python: | tools
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/.installed: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/python
-	@echo "Compiling Guideway into $(VENV): one to three minutes the first time."
-	$(BIN)/python -m pip install --quiet -c constraints.txt .
-	@touch $@
-
 # Every extra: about 2 GB, of which half comes with the libraries that the lab compares with (`peers`: VTK, Numba, faiss), and 240 MB are for statistics.
-$(VENV)/.tested: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,figures,lab,mujoco,peers,test,tune]'
-	@touch $@
-
-$(VENV)/.results: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet -c constraints.txt '.[arm,cluster,lab,mujoco,peers,tune]'
-	@touch $@
+$(VENV)/.tested: EXTRAS := [arm,cluster,figures,lab,mujoco,peers,test,tune]
+$(VENV)/.results: EXTRAS := [arm,cluster,lab,mujoco,peers,tune]
+$(VENV)/.installed $(VENV)/.tested $(VENV)/.results: $(RUST_SOURCES) $(PYTHON_SOURCES) constraints.txt | $(BIN)/python
+	@echo "Compiling Guideway into $(VENV): one to three minutes the first time."
+	$(BIN)/python -m pip install --quiet -c constraints.txt '.$(EXTRAS)'
+	@touch $(VENV)/.installed $@
 
 clean:
 	rm -rf $(VENV) target guideway-demo

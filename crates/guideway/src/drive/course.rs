@@ -121,12 +121,18 @@ impl Course {
         let last = self.states.partition_point(|q| q.s < to).min(self.states.len() - 1);
         let start = &self.states[first];
         let mut best = (start.s, (p[0] - start.pose[0]).hypot(p[1] - start.pose[1]));
+        // What is farther by squares is farther, and there are many.
+        let farther = |[x, y]: Point, than: f64| x * x + y * y > than * than * (1.0 + 1e-9);
         for w in self.states[first..=last].windows(2) {
             let e = [w[1].pose[0] - w[0].pose[0], w[1].pose[1] - w[0].pose[1]];
             let l2 = e[0] * e[0] + e[1] * e[1];
             let v = [p[0] - w[0].pose[0], p[1] - w[0].pose[1]];
             let r = if l2 > 0.0 { ((v[0] * e[0] + v[1] * e[1]) / l2).clamp(0.0, 1.0) } else { 0.0 };
-            let d = (v[0] - r * e[0]).hypot(v[1] - r * e[1]);
+            let off = [v[0] - r * e[0], v[1] - r * e[1]];
+            if farther(off, best.1) {
+                continue;
+            }
+            let d = off[0].hypot(off[1]);
             if d < best.1 {
                 best = (w[0].s + r * (w[1].s - w[0].s), d);
             }

@@ -4,7 +4,7 @@ use super::Track;
 use crate::Point;
 
 /// Movers that are looked at together.
-const LANES: usize = 4;
+const LANES: usize = 2;
 /// Room to movers above which they no longer count as near, m.
 pub(super) const WIDE: f64 = 0.8;
 /// Shortcuts leave so much more room than what they stand for, m: rounding is far below.
@@ -136,7 +136,7 @@ impl<'a> Crowd<'a> {
             let (l, gaps) = (&self.lanes[i], self.gaps(i, disc, from));
             let change = |k: usize| sign * ((moves + l.speed[k] + l.growth[k]) * (to - from) + SURE);
             let bounds = |k: usize| [gaps[k] + change(k), (gaps[k] + change(k)) / (v + l.speed[k] + l.growth[k]).max(1e-6)];
-            [bounds(0), bounds(1), bounds(2), bounds(3)]
+            std::array::from_fn::<_, LANES, _>(bounds)
         };
         let mut most = [f64::INFINITY; 2];
         for disc in discs.clone() {
@@ -155,9 +155,29 @@ impl<'a> Crowd<'a> {
             }
             part.near.extend(self.near[LANES * i..].iter().zip(counts).filter(|(_, counts)| *counts).map(|(near, _)| *near));
         }
-        part.lanes.clear();
-        part.lanes.extend(part.near.chunks(LANES).map(Lane::of));
-        part.fastest = self.fastest;
+        part.settle(self.fastest);
+    }
+
+    /// Puts into `part` those that may make a difference to [`Crowd::surely_beyond`] and [`Crowd::beyond`] between two times (s), for up to `more` s of any motion and discs
+    /// within `r` m of a place that is at `p` at first and moves at most at `moves` m/s.
+    pub fn threats(&self, (p, r): (Point, f64), [from, to]: [f64; 2], [moves, more]: [f64; 2], part: &mut Self) {
+        let threat = |n: &&Near| {
+            let (q, v) = (n.track.position, n.track.velocity);
+            let (dx, dy) = (p[0] - q[0] - v[0] * from, p[1] - q[1] - v[1] * from);
+            let limit = n.radius + n.track.doubt + n.track.bound * more + r + (moves + n.speed) * (to - from) + 2.0 * SURE;
+            let away = dx * dx + dy * dy > limit * limit;
+            !away
+        };
+        part.near.clear();
+        part.near.extend(self.near.iter().filter(threat));
+        part.settle(self.fastest);
+    }
+
+    /// Lays out those that are there now.
+    fn settle(&mut self, fastest: f64) {
+        self.lanes.clear();
+        self.lanes.extend(self.near.chunks(LANES).map(Lane::of));
+        self.fastest = fastest;
     }
 
     pub fn near(&self) -> &[Near<'a>] {
@@ -202,8 +222,8 @@ impl<'a> Crowd<'a> {
                 }
             }
         }
-        let fold = |all: [f64; LANES], f: fn(f64, f64) -> f64| f(f(all[0], all[1]), f(all[2], all[3]));
-        Around { room: fold(room, least), safe: fold(safe, least), close: fold(close, most) }
+        let fold = |all: [f64; LANES], first: f64, f: fn(f64, f64) -> f64| all.into_iter().fold(first, f);
+        Around { room: fold(room, f64::INFINITY, least), safe: fold(safe, f64::INFINITY, least), close: fold(close, 0.0, most) }
     }
 
     /// The number of the mover that leaves a robot covered by `discs` the least room.

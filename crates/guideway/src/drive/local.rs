@@ -53,7 +53,7 @@ impl Local {
     #[inline]
     pub fn nearest(&self, mut i: usize, p: Point) -> usize {
         let d2 = |i: usize| (self.marks[i].point[0] - p[0]).powi(2) + (self.marks[i].point[1] - p[1]).powi(2);
-        let mut here = d2(i);
+        let (from, mut here) = (i, d2(i));
         while i + 1 < self.marks.len() {
             let next = d2(i + 1);
             if next > here {
@@ -61,7 +61,8 @@ impl Local {
             }
             (i, here) = (i + 1, next);
         }
-        while i > 0 {
+        // Who has gone on need not go back.
+        while i > 0 && i <= from {
             let next = d2(i - 1);
             if next >= here {
                 break;

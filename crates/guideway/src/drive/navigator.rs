@@ -46,6 +46,8 @@ const NEARBY: f64 = 6.0;
 const MOST_CELLS: u64 = 1 << 20;
 /// Samples of the course ahead that are looked up in a changed world are so far apart, m.
 const APART: f64 = 0.05;
+/// Room beyond what is asked for that such a look tells, m.
+const LOOK: f64 = 0.5;
 
 /// Plans and times a new motion; owns or borrows what it needs.
 pub type OwnReplanner<'a> = dyn Fn(&Ask, &mut Context) -> Result<Trajectory, PlanError> + Send + 'a;
@@ -279,11 +281,18 @@ impl<'a> Navigator<'a> {
         let length = self.guide.course.length();
         let n = ((length - self.s) / APART).ceil().max(0.0) as usize;
         let places = self.guide.course.at_lengths((0..=n).map(|k| self.s + APART * k as f64));
-        places
-            .into_iter()
-            .map(|q| [q.pose[0], q.pose[1]])
-            .filter(|q| distance(*q, p) > 0.1)
-            .find(|q| world.clearance_within(*q, limit) < limit - 1e-9)
+        // Where there is more room than is asked for, the places that are nearer than that need no look.
+        let (mut clear, mut last) = (0.0, p);
+        places.into_iter().map(|q| [q.pose[0], q.pose[1]]).find(|q| {
+            clear -= distance(*q, last);
+            last = *q;
+            if clear >= 0.0 || distance(*q, p) <= 0.1 {
+                return false;
+            }
+            let room = world.clearance_within(*q, limit + LOOK);
+            clear = room.min(limit + LOOK) - limit;
+            room < limit - 1e-9
+        })
     }
 
     /// What stands in the way: tabu places and movers nearby that stand.

@@ -158,20 +158,7 @@ impl Rays {
 /// Visits the cells of a grid of `size` along a ray from `from` (cells) in the unit direction `dir` up to the length `reach` (cells), in order, with the
 /// length at which each is entered; ends when `visit` says no. A ray that starts outside enters the grid where it meets it.
 pub(super) fn walk(from: Point, dir: Point, reach: f64, size: [u32; 2], mut visit: impl FnMut([u32; 2], f64) -> bool) {
-    let (mut enter, mut leave) = (0.0_f64, reach);
-    for k in 0..2 {
-        let (a, b) = (-from[k] / dir[k], (f64::from(size[k]) - from[k]) / dir[k]);
-        if dir[k] == 0.0 {
-            if !(0.0..=f64::from(size[k])).contains(&from[k]) {
-                return;
-            }
-            continue;
-        }
-        (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
-    }
-    if !(enter <= leave && dir[0].is_finite() && dir[1].is_finite()) {
-        return;
-    }
+    let Some([enter, leave]) = span(from, dir, reach, size) else { return };
     let (mut cell, mut step, mut next, mut delta) = ([0_i64; 2], [0_i64; 2], [f64::INFINITY; 2], [f64::INFINITY; 2]);
     for k in 0..2 {
         let at = from[k] + enter * dir[k];
@@ -197,4 +184,20 @@ pub(super) fn walk(from: Point, dir: Point, reach: f64, size: [u32; 2], mut visi
             return;
         }
     }
+}
+
+/// The lengths at which a ray of at most the length `reach` enters and leaves a grid of `size`, all in cells, if it meets it.
+pub(super) fn span(from: Point, dir: Point, reach: f64, size: [u32; 2]) -> Option<[f64; 2]> {
+    let (mut enter, mut leave) = (0.0_f64, reach);
+    for k in 0..2 {
+        let (a, b) = (-from[k] / dir[k], (f64::from(size[k]) - from[k]) / dir[k]);
+        if dir[k] == 0.0 {
+            if !(0.0..=f64::from(size[k])).contains(&from[k]) {
+                return None;
+            }
+            continue;
+        }
+        (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+    }
+    (enter <= leave && dir[0].is_finite() && dir[1].is_finite()).then_some([enter, leave])
 }

@@ -13,6 +13,8 @@ const MOST: f64 = 65_536.0;
 const HALF: f64 = 160.0;
 /// So many tiles may have become free before the distances are made anew; until then they are lower than they need be.
 const FREED: u32 = 8;
+/// So many tiles may have become blocked; until then each is looked at by itself.
+const MORE: usize = 8;
 /// Bounds are so much lower than they need be, m: rounding is far below.
 const SURE: f64 = 1e-5;
 
@@ -37,7 +39,7 @@ impl Rooms {
             return;
         };
         let placed = before.as_ref().and_then(|old| old.grid()).is_some_and(|old| same || in_place(old, grid));
-        if !(placed && self.cells.as_ref().is_some_and(|cells| cells.cover(grid, p, far) && (same || cells.hold(grid.blocked())))) {
+        if !(placed && self.cells.as_mut().is_some_and(|cells| cells.cover(grid, p, far) && (same || cells.hold(grid.blocked())))) {
             self.cells = Cells::new(grid, p, far);
         }
     }
@@ -106,6 +108,8 @@ struct Cells {
     ends: [[bool; 2]; 2],
     tiles: Bits,
     field: Arc<ClearanceField>,
+    /// Blocked tiles that the field does not know.
+    more: Vec<[u32; 2]>,
 }
 
 impl Cells {
@@ -126,21 +130,24 @@ impl Cells {
         let tiles = coarse(grid.blocked(), by, (low, size));
         let coarse = Grid::new(tiles.clone(), None, side * f64::from(by), [0.0; 3]).ok()?;
         let ends = [0, 1].map(|k| [low[k] == 0, low[k] + size[k] == whole[k]]);
-        Some(Self { by, low, size, ends, tiles, field: World::from_grid(coarse).clearance_field() })
+        Some(Self { by, low, size, ends, tiles, field: World::from_grid(coarse).clearance_field(), more: Vec::new() })
     }
 
-    /// Do the distances still hold, and are they nearly what they could be?
-    fn hold(&self, blocked: &Bits) -> bool {
+    /// Do the distances still hold, but for a few tiles, and are they nearly what they could be?
+    fn hold(&mut self, blocked: &Bits) -> bool {
         let (new, mut freed) = (coarse(blocked, self.by, (self.low, self.size)), 0);
+        self.more.clear();
         for y in 0..self.size[1] {
-            for (new, old) in new.row(y).iter().zip(self.tiles.row(y)) {
-                if new & !old != 0 {
-                    return false;
-                }
+            for (k, (new, old)) in new.row(y).iter().zip(self.tiles.row(y)).enumerate() {
                 freed += (old & !new).count_ones();
+                let mut more = new & !old;
+                while more != 0 {
+                    self.more.push([64 * k as u32 + more.trailing_zeros(), y]);
+                    more &= more - 1;
+                }
             }
         }
-        freed <= FREED
+        freed <= FREED && self.more.len() <= MORE
     }
 
     /// Is all that is within `far` m of `p` known?
@@ -163,7 +170,9 @@ impl Cells {
         if !(at[0] >= 0.0 && at[1] >= 0.0 && tile[0] < self.size[0] && tile[1] < self.size[1]) {
             return None;
         }
-        let mut least = self.field.at(tile);
+        let away = |k: usize, other: &[u32; 2]| (f64::from(tile[k].abs_diff(other[k])) - 0.5).max(0.0);
+        let more = self.more.iter().map(|other| away(0, other).powi(2) + away(1, other).powi(2)).fold(f64::INFINITY, f64::min);
+        let mut least = self.field.at(tile).min(more.sqrt() * side);
         for ((tile, size), ends) in tile.into_iter().zip(self.size).zip(self.ends) {
             // Beyond the part there may be anything.
             let beyond = [f64::from(tile), f64::from(size - 1 - tile)];

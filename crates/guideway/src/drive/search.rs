@@ -5,7 +5,7 @@
 
 use super::crowd::Crowd;
 use super::field::Met;
-use super::ways::{Predictor, Sim, Way};
+use super::ways::{Pace, Predictor, Sim, Way};
 use crate::Point;
 use crate::world::shape::wrap;
 
@@ -30,7 +30,8 @@ pub(super) struct Node {
     pub near: f64,
     /// Integrals of the exposure (0 to 1) to movers that go on and that turn around, where it would stand if it stopped at the ends of its levels, s.
     pub exposed: [f64; 2],
-    /// Integral of the distance left, m s.
+    /// Distance that is left, m, and the integral of it, m s.
+    pub rest: f64,
     pub left: f64,
     /// Index of its first manoeuvre.
     pub first: usize,
@@ -39,6 +40,13 @@ pub(super) struct Node {
     /// It meets something, or may not be able to stop.
     pub lost: bool,
     pub score: f64,
+}
+
+impl Node {
+    /// Where a search begins.
+    fn at(sim: Sim) -> Self {
+        Self { sim, t: 0.0, aside: 0.0, near: 0.0, exposed: [0.0; 2], rest: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 }
+    }
 }
 
 /// What a search is asked.
@@ -87,11 +95,9 @@ impl<'a> Search<'a> {
         left: &dyn Fn(&Sim) -> f64,
         score: &dyn Fn(&Node) -> f64,
     ) -> Plans {
-        let root =
-            Node { sim: start, t: 0.0, aside: 0.0, near: 0.0, exposed: [0.0; 2], left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 };
         let (mut nodes, mut open, mut ended) = (Vec::with_capacity(MOST), vec![0], Vec::new());
-        nodes.push(root);
-        let (mut list, mut part) = (Vec::new(), Crowd::<'a>::new(Vec::new()));
+        nodes.push(Node::at(start));
+        let (mut list, mut part) = (Vec::new(), [const { Vec::new() }; 2].map(Crowd::<'a>::new));
         for (level, until) in self.levels.iter().enumerate() {
             let from = nodes.len();
             for &i in &open {
@@ -99,9 +105,10 @@ impl<'a> Search<'a> {
                 list.clear();
                 ways(&node, level, &mut list);
                 self.predictor.part(&node.sim, [node.t, *until], &mut part);
+                let pace = self.predictor.pace([node.t, *until]);
                 for (k, way) in list.iter().enumerate() {
                     let first = if level == 0 { k } else { node.first };
-                    let mut next = self.step(&node, *way, *until, &part);
+                    let mut next = self.step(&node, *way, (&pace, *until), &part);
                     (next.first, next.parent) = (first, i);
                     if next.lost {
                         next.score = LOST + SECOND * next.t - next.near;
@@ -109,7 +116,8 @@ impl<'a> Search<'a> {
                         let last = if level + 1 == self.levels.len() { self.park } else { 0.0 };
                         let exposure = self.predictor.exposure(&next.sim, next.t);
                         next.exposed = [0, 1].map(|k| next.exposed[k] + exposure[k] * (until - node.t + last));
-                        next.left += (until - node.t) * left(&next.sim);
+                        next.rest = left(&next.sim);
+                        next.left += (until - node.t) * next.rest;
                         next.score = score(&next);
                     }
                     nodes.push(next);
@@ -133,8 +141,8 @@ impl<'a> Search<'a> {
         Plans { nodes, best: ended }
     }
 
-    fn step(&self, node: &Node, way: Way, until: f64, crowd: &Crowd) -> Node {
-        let found = self.predictor.run(way, &node.sim, [node.t, until], crowd);
+    fn step(&self, node: &Node, way: Way, (pace, until): (&Pace, f64), [on, stops]: &[Crowd; 2]) -> Node {
+        let found = self.predictor.run(way, &node.sim, pace, [on, stops]);
         let mut next = Node { sim: found.end, t: until, aside: node.aside + found.aside, near: node.near + found.near, ..*node };
         if let Some((t, met)) = found.contact {
             (next.t, next.met, next.lost) = (if found.parked { t } else { t - 0.5 }, Some(met), true);

@@ -106,6 +106,18 @@ impl Facing {
     }
 }
 
+/// The steps of a prediction.
+#[derive(Clone, Copy)]
+pub(super) struct Pace {
+    /// s from now.
+    span: [f64; 2],
+    n: u32,
+    /// s.
+    h: f64,
+    /// Shares of the way to their targets that speed and turn rate cover in a step.
+    shares: [f64; 2],
+}
+
 /// Predicts from one observation.
 pub(super) struct Predictor<'a> {
     pub field: &'a Field<'a>,
@@ -126,9 +138,13 @@ pub(super) struct Predictor<'a> {
 impl<'a> Predictor<'a> {
     /// Speeds that the manoeuvre asks for in a state.
     pub fn wanted(&self, way: Way, sim: &Sim) -> (f64, f64) {
-        let mark = self.local.mark(sim.mark);
-        let early = self.early * sim.v.max(0.0);
-        let left = (self.local.length - self.local.relative(sim.mark, sim.pose)[0] - early).max(0.0);
+        self.speeds(way, sim, None)
+    }
+
+    /// As [`Predictor::wanted`], with the place relative to the path where it is known.
+    #[inline]
+    fn speeds(&self, way: Way, sim: &Sim, known: Option<[f64; 3]>) -> (f64, f64) {
+        let (mark, early) = (self.local.mark(sim.mark), self.early * sim.v.max(0.0));
         match way {
             Way::Arc { v, w } => (v, w),
             Way::Heading { yaw, v } => self.turned(wrap(yaw - sim.pose[2]), v),
@@ -139,7 +155,8 @@ impl<'a> Predictor<'a> {
                 self.turned(wrap(dy.atan2(dx) - sim.pose[2]), v.min(approach(EASY * self.robot.deceleration, far)))
             }
             Way::Follow { share, offset } => {
-                let [_, lateral, heading] = self.local.relative(sim.mark, sim.pose);
+                let [s, lateral, heading] = known.unwrap_or_else(|| self.local.relative(sim.mark, sim.pose));
+                let left = (self.local.length - s - early).max(0.0);
                 // A field of headings that leads to the offset line, steeper at low speed; the offset fades towards the end of the path.
                 let aside = offset.clamp(-left, left) - lateral;
                 let error = wrap((2.0 * aside / (0.5 + sim.v.max(0.0))).atan() - heading);
@@ -159,21 +176,37 @@ impl<'a> Predictor<'a> {
         w.clamp(-self.robot.turn_rate, self.robot.turn_rate)
     }
 
-    /// Puts into `part` those movers that may make a difference to what is driven from `start` over a span of time, s.
-    pub fn part(&self, start: &Sim, span: [f64; 2], part: &mut Crowd<'a>) {
-        let moves = start.v.abs().max(self.robot.speed).max(self.local.top) + self.arm * start.w.abs().max(self.robot.turn_rate);
-        self.field.part(start.pose, span, [self.robot.speed, moves], part);
+    /// Puts into `part` those movers that may make a difference to what is driven from `start` over a span of time, s: to the way itself, and to the stops on it.
+    pub fn part(&self, start: &Sim, span: [f64; 2], [on, stops]: &mut [Crowd<'a>; 2]) {
+        let r = self.robot;
+        let (v, w) = (start.v.abs().max(r.speed).max(self.local.top), start.w.abs().max(r.turn_rate));
+        self.field.part(start.pose, span, [r.speed, v + self.arm * w], on);
+        let ([whole, length], (crowd, reach)) = (self.stop_of(v, w), self.field.crowd());
+        crowd.threats(([start.pose[0], start.pose[1]], reach + self.stop[1] + length), span, [v, whole], stops);
     }
 
-    /// Drives `way` from `start`, whose time is `span[0]` (s from now), until `span[1]` or the first contact, among the movers of `crowd`.
-    pub fn run(&self, way: Way, start: &Sim, span: [f64; 2], crowd: &Crowd) -> Forecast {
-        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
-        let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
+    /// How long a stop from these speeds takes, s, and how far it leads, m.
+    fn stop_of(&self, v: f64, w: f64) -> [f64; 2] {
+        let (brake, turn) = (v / self.robot.deceleration, w / self.robot.turn_acceleration);
+        [self.stop[0] + brake.max(turn) + self.lag[0], v * (self.stop[0] + 0.5 * brake)]
+    }
+
+    /// The steps over a span of time, s from now.
+    pub fn pace(&self, span: [f64; 2]) -> Pace {
         let n = ((span[1] - span[0]) / STEP).round().max(1.0);
         let h = (span[1] - span[0]) / n;
-        let (shares, mut facing) = (self.lag.map(|lag| share(lag, h)), Facing::default());
-        for _ in 0..n as u32 {
-            let (v, w) = self.wanted(way, &sim);
+        Pace { span, n: n as u32, h, shares: self.lag.map(|lag| share(lag, h)) }
+    }
+
+    /// Drives `way` from `start`, whose time is that at which `pace` begins, until it ends or the first contact, among the movers of `crowd` on
+    /// the way and for stops on it.
+    pub fn run(&self, way: Way, start: &Sim, pace: &Pace, [crowd, stops]: [&Crowd; 2]) -> Forecast {
+        let Pace { span, n, h, shares } = *pace;
+        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
+        let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
+        let (mut facing, mut place) = (Facing::default(), None);
+        for _ in 0..n {
+            let (v, w) = self.speeds(way, &sim, place);
             let moved = self.advance(&mut sim, [v, w], h, (shares, &mut facing));
             t += h;
             slack -= moved;
@@ -193,7 +226,7 @@ impl<'a> Predictor<'a> {
                 }
                 found.near += h * close;
                 if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
-                    && !self.stoppable(&sim, t)
+                    && !self.stoppable(&sim, t, stops)
                 {
                     (found.end, found.late) = (sim, Some(t));
                     return found;
@@ -201,7 +234,9 @@ impl<'a> Predictor<'a> {
                 // Until then nothing is near, whatever the robot does.
                 safe = t + if room > WIDE { time * (1.0 - WIDE / room) } else { 0.0 };
             }
-            found.aside += h * self.local.relative(sim.mark, sim.pose)[1].abs().min(self.limit);
+            let relative = self.local.relative(sim.mark, sim.pose);
+            place = Some(relative);
+            found.aside += h * relative[1].abs().min(self.limit);
         }
         found.end = sim;
         found
@@ -220,17 +255,13 @@ impl<'a> Predictor<'a> {
 
     /// Could the robot at `sim`, `t` s from now, still stop before movers can reach it, if they kept their velocities until then? At least nearly so:
     /// looked at halfway through the stop and at its end.
-    fn stoppable(&self, sim: &Sim, t: f64) -> bool {
+    fn stoppable(&self, sim: &Sim, t: f64, crowd: &Crowd) -> bool {
         let [reaction, error] = self.stop;
-        let v = sim.v.abs();
-        let brake = v / self.robot.deceleration;
-        let turn = sim.w.abs() / self.robot.turn_acceleration;
-        let whole = reaction + brake.max(turn) + self.lag[0];
-        if v < STANDING && sim.w.abs() < STANDING {
+        let (v, w, reach) = (sim.v.abs(), sim.w.abs(), self.field.crowd().1);
+        if v < STANDING && w < STANDING {
             return true;
         }
-        let length = v * (reaction + 0.5 * brake);
-        let (crowd, reach) = self.field.crowd();
+        let ([whole, length], turn) = (self.stop_of(v, w), w / self.robot.turn_acceleration);
         if crowd.surely_beyond(([sim.pose[0], sim.pose[1]], reach + error + length), [t, whole]) {
             return true;
         }

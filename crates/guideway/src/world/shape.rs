@@ -239,6 +239,8 @@ pub fn segment_segment(a: Point, b: Point, c: Point, d: Point) -> f64 {
 #[inline]
 pub fn wrap(angle: f64) -> f64 {
     let t = std::f64::consts::TAU;
-    let w = angle.rem_euclid(t);
+    // What is less than a turn needs no division; the rest as `f64::rem_euclid` has it.
+    let r = if angle.abs() < t { angle } else { angle % t };
+    let w = if r < 0.0 { r + t } else { r };
     if w > std::f64::consts::PI { w - t } else { w }
 }

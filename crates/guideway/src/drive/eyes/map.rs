@@ -1,7 +1,7 @@
 //! What a robot has seen of the static world: hits and misses along the rays, cell by cell. Without a map that is all it knows; with one it is what stands there besides.
 
+use super::tiles::Tiles;
 use crate::Point;
-use crate::drive::rays::walk;
 use crate::error::PlanError;
 use crate::world::{Bits, Cell, Grid, World};
 use std::collections::BTreeMap;
@@ -35,8 +35,9 @@ pub(super) struct LocalMap {
     blocked: Bits,
     unknown: Bits,
     changed: bool,
-    /// Cells that are not as free as can be.
+    /// Known cells that are not as free as can be, and where those and the unknown ones are.
     open: usize,
+    tiles: Tiles,
     /// Cells in which something unexplained is seen: since when and when last, s.
     lingering: BTreeMap<usize, [f64; 2]>,
     /// The static world where it is given.
@@ -72,7 +73,18 @@ impl LocalMap {
         let frame = Grid::new(blocked.clone(), None, resolution, origin)?;
         let (base, start) = if given { (Some(Arc::clone(world)), LEAST) } else { (None, UNKNOWN) };
         let evidence = vec![start; size[0] as usize * size[1] as usize];
-        Ok(Self { frame, evidence, blocked, unknown, changed: !given, open: 0, lingering: BTreeMap::new(), base, published: None })
+        Ok(Self {
+            frame,
+            evidence,
+            blocked,
+            unknown,
+            changed: !given,
+            open: 0,
+            tiles: Tiles::new(size, !given),
+            lingering: BTreeMap::new(),
+            base,
+            published: None,
+        })
     }
 
     fn index(&self, x: u32, y: u32) -> usize {
@@ -84,24 +96,25 @@ impl LocalMap {
         let scale = self.frame.resolution();
         let (p, q) = (self.frame.to_cells(from), self.frame.to_cells([from[0] + along[0], from[1] + along[1]]));
         let dir = [(q[0] - p[0]) * scale, (q[1] - p[1]) * scale];
-        let (width, size) = (self.frame.width() as usize, [self.frame.width(), self.frame.height()]);
-        let Self { evidence, blocked, unknown, changed, open, .. } = self;
-        walk(p, dir, length / scale - SHORT, size, |[x, y], _| {
+        let width = self.frame.width() as usize;
+        let Self { evidence, blocked, unknown, changed, open, tiles, .. } = self;
+        tiles.walk((p, dir), length / scale - SHORT, |[x, y]| {
             let e = &mut evidence[y as usize * width + x as usize];
             if *e == UNKNOWN {
                 (*e, *changed) = (0, true);
                 *open += 1;
                 unknown.set(x, y, false);
             }
-            if *e > LEAST {
-                *e -= 1;
-                *open -= usize::from(*e == LEAST);
-                if *e == 0 {
-                    blocked.set(x, y, false);
-                    *changed = true;
-                }
+            if *e == LEAST {
+                return false;
             }
-            true
+            *e -= 1;
+            if *e == 0 {
+                blocked.set(x, y, false);
+                *changed = true;
+            }
+            *open -= usize::from(*e == LEAST);
+            *e == LEAST
         });
     }
 
@@ -132,6 +145,9 @@ impl LocalMap {
         let before = self.evidence[i];
         self.evidence[i] = to(before);
         self.open += usize::from(before <= LEAST);
+        if before == LEAST {
+            self.tiles.wait([x, y]);
+        }
         if before == UNKNOWN {
             self.unknown.set(x, y, false);
         }

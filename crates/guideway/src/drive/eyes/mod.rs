@@ -5,6 +5,7 @@
 
 mod blobs;
 mod map;
+mod tiles;
 mod tracks;
 
 use super::filter::Filter;

@@ -220,7 +220,9 @@ impl Tracks {
         self.taken.resize(blobs.len(), false);
         self.pairs.clear();
         for (i, known) in self.all.iter().enumerate() {
-            for (j, blob) in blobs.iter().enumerate() {
+            // Most are far away, which their coordinates tell.
+            let near = |b: &Blob| (known.place[0] - b.center[0]).abs() < FAR && (known.place[1] - b.center[1]).abs() < FAR;
+            for (j, blob) in blobs.iter().enumerate().filter(|(_, blob)| near(blob)) {
                 let gate = (GATE * (known.p[0] + noise(blob, self.top.is_some())).sqrt()).clamp(NEAR, FAR);
                 let off = distance(known.place, blob.center);
                 if off < gate {

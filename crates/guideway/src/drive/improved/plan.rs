@@ -274,7 +274,7 @@ impl Planning {
         if lateral.abs() > ON_IT || left < NEAR_END {
             return None;
         }
-        let on = predictor.run(way, start, [0.0, self.p.horizon], predictor.field.crowd().0);
+        let on = predictor.run(way, start, &predictor.pace([0.0, self.p.horizon]), [predictor.field.crowd().0; 2]);
         let exposed = [predictor.exposure(start, 0.0), predictor.exposure(&on.end, self.p.horizon)].iter().flatten().any(|e| *e > 0.0);
         if exposed || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;
@@ -406,7 +406,7 @@ impl Planning {
         let end = guide.course.end().pose;
         let score = |node: &Node| {
             let way = (firsts[node.first], commands[node.first]);
-            self.weights.total(&self.candidate((node, left(&node.sim)), predictor.local, way, [end[0], end[1]]))
+            self.weights.total(&self.candidate(node, predictor.local, way, [end[0], end[1]]))
         };
         search.run(start, &mut ways, &left, &score)
     }
@@ -442,7 +442,7 @@ impl Planning {
     }
 
     /// What the critics see of a plan.
-    fn candidate(&self, (node, left): (&Node, f64), local: &Local, (way, (v, w)): (Way, (f64, f64)), target: Point) -> Candidate {
+    fn candidate(&self, node: &Node, local: &Local, (way, (v, w)): (Way, (f64, f64)), target: Point) -> Candidate {
         let sim = &node.sim;
         let lateral = local.relative(sim.mark, sim.pose)[1];
         let mark = local.mark(sim.mark);
@@ -454,7 +454,7 @@ impl Planning {
             target,
             along,
             dist: 0.0,
-            left: (left + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
+            left: (node.rest + EARLY * node.left / node.t.max(1e-9)) / self.setup.robot.speed,
             aside: node.aside,
             close: node.near,
             exposed: node.exposed[0],

@@ -6,6 +6,7 @@ python experiments/driving/physics.py [--seeds 10] [--heights 0.2 0.3] [--docs]
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Iterable
 from dataclasses import replace
@@ -28,6 +29,8 @@ ROOMS = ("w0", "layouts")
 """The room of the source, and random layouts of it, one a seed."""
 MOTIONS = ("A-I-DE", "trapezoid", "trapezoid, as slow")
 """As planned; without a limit of jerk on the same path; the same with the acceleration that makes it last as long as the first."""
+HELD = ("limited jerk, held", "trapezoid, held")
+"""On the same path within what the base says that it can hold, as `guideway drive` does it."""
 MEASURES = {
     "time": ("time s", 2),
     "tilt_max": ("tilt max deg", 2),
@@ -59,9 +62,19 @@ def motions(found: gw.Solution, limits: gw.Limits) -> dict[str, gw.Trajectory]:
     return dict(zip(MOTIONS, (own, gw.time(found.path, limits, method="trapezoid"), gentle), strict=True))
 
 
+def held(query: gw.Query, found: gw.Solution, limits: gw.Limits, height: float) -> dict[str, gw.Trajectory]:
+    """The motions within what the base can hold."""
+    own = found.trajectory
+    assert own is not None
+    most = MobileBase(query, own, settings=Settings(height=height)).limits
+    asked = limits.to_dict()
+    limits = replace(limits, **{name: min(value, math.inf if asked[name] is None else asked[name]) for name, value in most.items()})
+    return dict(zip(HELD, (gw.time(found.path, limits), gw.time(found.path, limits, method="trapezoid")), strict=True))
+
+
 def driven(query: gw.Query, motion: gw.Trajectory, seed: int, height: float, limits: gw.Limits) -> Row:
-    """A drive and what was measured of it. The plant has the limits of the robot, whatever those of the motion."""
-    plant = MobileBase(query, motion, seed=seed, settings=Settings(height=height), limits=limits)
+    """A drive as it is asked for and what was measured of it. The plant has the limits of the robot, whatever those of the motion."""
+    plant = MobileBase(query, motion, seed=seed, settings=Settings(height=height, margin=0.0), limits=limits)
     run = gw.drive(query, motion, "tracker", seed=seed, plant=plant, time_limit=30.0)
     found = run["plant"]
     return {
@@ -90,9 +103,10 @@ def collect(seeds: int, heights: Iterable[float]) -> list[Row]:
             scene = gw.scenes.layout(seed) if room == "layouts" else gw.scenes.load("w0", seed)
             query = scene.query("static")
             found = gw.plan(query, "aide", seed=seed)
-            for name, motion in motions(found, scene.limits).items():
-                for height in heights:
-                    row = driven(query, motion, seed, height, scene.limits)
+            asked = motions(found, scene.limits)
+            for height in heights:
+                for name, motion in (asked | held(query, found, scene.limits, height)).items():
+                    row = driven(query, motion, seed, height, scene.limits if name in asked else gw.Limits(**motion.limits))
                     rows.append({"room": room, "height": height, "motion": name, "seed": seed} | row)
     return rows
 
@@ -102,7 +116,7 @@ def table(rows: list[Row], heights: Iterable[float]) -> str:
     lines = []
     for room in ROOMS:
         for height in heights:
-            for name in MOTIONS:
+            for name in MOTIONS + HELD:
                 own = [row for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)]
                 arrived = sum(row["outcome"] == "arrived" for row in own)
                 touched = sum(row["contacts"] > 0 for row in own)
@@ -117,20 +131,19 @@ def table(rows: list[Row], heights: Iterable[float]) -> str:
 
 
 def comparisons(rows: list[Row], heights: Iterable[float]) -> str:
-    """Each trapezoid against A-I-DE on the same paths, seed by seed: A12, and p after Holm over the two."""
+    """Each trapezoid against the jerk-limited motion on the same paths, seed by seed: A12, and p after Holm over those of one motion."""
     lines = []
-    for room, height in product(ROOMS, heights):
+    for room, height, (first, *others) in product(ROOMS, heights, (MOTIONS, HELD)):
         of = {
             name: {key: [row[key] for row in rows if (row["room"], row["height"], row["motion"]) == (room, height, name)] for key in TESTED}
-            for name in MOTIONS
+            for name in (first, *others)
         }
-        first, others = of[MOTIONS[0]], MOTIONS[1:]
-        found = {key: [statistics.paired(first[key], of[name][key]) for name in others] for key in TESTED}
+        found = {key: [statistics.paired(of[first][key], of[name][key]) for name in others] for key in TESTED}
         ps = {key: statistics.holm([each.p for each in found[key]]) for key in TESTED}
         for k, name in enumerate(others):
             cells = [f"{found[key][k].a12:.2f} ({ps[key][k]:.2g})" for key in TESTED]
-            lines.append([f"`{room}`", f"{height:g}", name, *cells])
-    return tables.markdown(["room", "c. of g. m", "A-I-DE against", "tilt max", "tilt RMS", "TTE", "slip max", "wheel work"], lines)
+            lines.append([f"`{room}`", f"{height:g}", first, name, *cells])
+    return tables.markdown(["room", "c. of g. m", "motion", "against", "tilt max", "tilt RMS", "TTE", "slip max", "wheel work"], lines)
 
 
 def picture() -> str:
@@ -160,8 +173,8 @@ def main() -> None:
     tables.write_csv(given.out / "physics.csv", rows)
     text = (
         table(rows, given.heights)
-        + "\nA-I-DE beside the others on the same paths and seeds (A12, above 0.5 where the other has the larger values, and in brackets p of "
-        "Wilcoxon signed ranks after Holm over the two):\n\n" + comparisons(rows, given.heights)
+        + "\nThe motions of limited jerk beside the others on the same paths and seeds (A12, above 0.5 where the other has the larger values, and in "
+        "brackets p of Wilcoxon signed ranks after Holm over the others of one motion):\n\n" + comparisons(rows, given.heights)
     )
     words = f"--seeds {given.seeds} --heights {' '.join(f'{h:g}' for h in given.heights)} --docs"
     tables.publish("physics", f"python experiments/driving/physics.py {words}", text, given.out, given.docs)

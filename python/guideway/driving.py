@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from guideway import _core, jobs, plants
-from guideway.errors import BadParameter
+from guideway.errors import BadParameter, Infeasible
 from guideway.records import Limits
 
 if TYPE_CHECKING:
@@ -85,7 +86,8 @@ def drive(
 def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
     """Drives and returns the record. On Ctrl-C the record is that of the run so far, with ``cancelled`` true."""
     plant = plants.make(drive.plant, drive.query, drive.trajectory, drive.seed)
-    drive = _turnable(drive) if plant is None else drive
+    asked = drive.limits
+    drive = _turnable(drive) if plant is None else _within(_embodied(drive, plant), plant)
     raw = _core.drive(
         drive.query,
         drive.trajectory,
@@ -105,7 +107,8 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         speed_map=_speed_map(drive),
         mover_speed=drive.mover_speed,
     )
-    return record(drive, raw, folder) | {"plant": plants.report_of(plant)}
+    held = {} if plant is None or drive.limits == asked else {"limits": {"asked": asked.to_dict(), "held": drive.limits.to_dict()}}
+    return record(drive, raw, folder) | {"plant": plants.report_of(plant) | held}
 
 
 def _speed_map(drive: Drive) -> _core.SpeedMap | None:
@@ -123,10 +126,61 @@ def _turnable(drive: Drive) -> Drive:
     states = motion.sample()
     if float(np.abs(states[:, 4] * states[:, 7]).max()) <= TURN_RATE:
         return drive
-    limits = replace(limits, turn_rate=TURN_RATE, turn_acceleration=limits.turn_acceleration or TURN_ACCELERATION)
+    return _timed(drive, replace(limits, turn_rate=TURN_RATE, turn_acceleration=limits.turn_acceleration or TURN_ACCELERATION))
+
+
+def _timed(drive: Drive, limits: Limits) -> Drive:
+    """The same path timed anew within other limits; among the movers where it was before and that can be done."""
+    query, slow = drive.query, _speed_map(drive)
+
+    def motion(among: _core.Query | None) -> _core.Trajectory:
+        return _core.time(drive.trajectory.path, limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=slow, among=among)
+
+    try:
+        return replace(drive, trajectory=motion(None if drive.trajectory.among is None else query), limits=limits)
+    except Infeasible:
+        return replace(drive, trajectory=motion(None), limits=limits)
+
+
+def _within(drive: Drive, plant: object) -> Drive:
+    """A motion that asks for more than a plant says it can hold is timed anew within that, and the robot counts as one that can do no more."""
+    held: Mapping[str, float] = getattr(plant, "limits", None) or {}
+    asked = drive.limits.to_dict()
+    usual = {"turn_rate": TURN_RATE, "turn_acceleration": TURN_ACCELERATION}
+    less = {name: most for name, most in held.items() if most < (usual[name] if asked[name] is None else asked[name])}
+    if not less or drive.trajectory.duration <= 0.0:
+        return drive
+    limits = replace(drive.limits, **less)
     query = drive.query
-    slower = _core.time(motion.path, limits, start_yaw=query.start_yaw, goal_yaw=query.goal_yaw, speed_map=_speed_map(drive))
-    return replace(drive, trajectory=slower, limits=limits)
+    return _timed(replace(drive, query=_with(query, query.footprint, query.clearance, limits)), limits)
+
+
+def _embodied(drive: Drive, plant: object) -> Drive:
+    """A robot that is a point becomes the body that the plant has in its place; that much of the clearance is then its own."""
+    body: Mapping[str, Any] | None = getattr(plant, "footprint", None)
+    query = drive.query
+    if body is None or query.footprint != {"disc": 0.0} or body == query.footprint:
+        return drive
+    bare = _with(query, body, 0.0, drive.limits)
+    return replace(drive, query=_with(query, body, max(0.0, query.radius - bare.radius), drive.limits))
+
+
+def _with(query: _core.Query, footprint: Mapping[str, Any], clearance: float, limits: Limits) -> _core.Query:
+    """The same query for another robot."""
+    start, goal = ([*place, *([] if yaw is None else [yaw])] for place, yaw in ((query.start, query.start_yaw), (query.goal, query.goal_yaw)))
+    return _core.Query(
+        query.world,
+        start,
+        goal,
+        via=query.via,
+        footprint=footprint,
+        clearance=clearance,
+        half_width=query.half_width,
+        soft_clearance=query.soft_clearance,
+        corners=query.corners,
+        material=query.material,
+        limits=limits,
+    )
 
 
 def _settings(drive: Drive, plant: object) -> dict[str, Any]:

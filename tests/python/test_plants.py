@@ -249,11 +249,14 @@ class TestMuJoCo:
     def test_a_slippery_floor_slips(self, corridor):
         query, _ = corridor
         motion = gw.time(gw.plan(query).path, gw.Limits(1.0, 2.5), method="trapezoid")
-        dry, wet = (
-            gw.drive(query, motion, "tracker", plant=gw.plants.make("mujoco", query, motion, settings={"friction": mu}), time_limit=8.0)["plant"]
-            for mu in (1.0, 0.1)
+        dry, wet, careful = (
+            gw.drive(query, motion, "tracker", plant=gw.plants.make("mujoco", query, motion, settings={"friction": mu} | held), time_limit=30.0)[
+                "plant"
+            ]
+            for mu, held in ((1.0, {}), (0.1, {"margin": 0.0}), (0.1, {}))
         )
         assert wet["slip"]["max"] > 0.5 > 2 * dry["slip"]["max"]
+        assert careful["slip"]["max"] < 0.2, "driven as the wheels can hold"
 
     def test_the_work_is_what_motion_and_drag_take(self, corridor):
         run = gw.drive(*corridor, "tracker", plant=self.base(corridor))
@@ -313,6 +316,33 @@ class TestMuJoCo:
         assert run["plant"]["contacts"] == 0
         assert run["plant"]["tilt"]["max"] < 5.0
         assert run["plant"]["slip"]["max"] < 0.2
+
+    @pytest.mark.parametrize(("height", "wheel"), [(0.2, 0.08), (0.3, 0.08), (0.1, 0.05)])
+    def test_what_it_says_it_can_hold_keeps_all_feet_on_the_floor(self, height, wheel):
+        query = gw.Query(gw.World(bounds=(0, -2, 9, 2)), (0.8, 0.0), (8.0, 0.0), footprint=gw.Disc(0.25))
+        motion = gw.time(gw.plan(query).path, gw.Limits(2.0, 5.0, jerk=100.0))
+        loose, sure = ({"height": height, "wheel": wheel, "margin": margin} for margin in (0.0, 0.65))
+        plant = gw.plants.make("mujoco", query, motion, settings=sure)
+        held = plant.limits
+        assert held["deceleration"] == pytest.approx(0.65 * 9.81 * min(0.32 * 0.25 / height, 0.6 / math.sqrt(2)))
+        run = gw.drive(query, motion, "tracker", plant=plant)
+        assert run["plant"]["limits"]["asked"]["deceleration"] == 5.0
+        assert run["plant"]["limits"]["held"] | {"footprint": query.footprint} == run["robot"]
+        assert (run["outcome"], run["robot"]["acceleration"]) == ("arrived", held["acceleration"])
+        assert run["plant"]["slip"]["max"] < 0.2
+        assert gw.plants.make("mujoco", query, motion, settings=loose).limits == {}
+        assert "limits" not in gw.drive(query, gw.time(motion.path, gw.Limits(1.0, 1.0)), "tracker", plant="mujoco")["plant"]
+
+    def test_the_room_as_it_is_asked_for_is_driven_as_the_base_can(self):
+        scene = gw.scenes.load("w0", seed=0)
+        query = scene.query("dynamic")
+        motion = gw.time(gw.plan(query).path, scene.limits)
+        run = gw.drive(query, motion, plant="mujoco", seed=0)
+        assert (run["outcome"], run["plant"]["contacts"]) == ("arrived", 0)
+        assert run["query"]["footprint"] == {"disc": 0.25} == run["plant"]["body"]
+        assert run["query"]["clearance"] == pytest.approx(0.05)
+        assert run["plant"]["tilt"]["max"] < 8.0
+        assert run["plant"]["slip"]["max"] < 0.3
 
     def test_a_simulation_that_comes_apart_is_an_error(self, corridor):
         plant = self.base(corridor)

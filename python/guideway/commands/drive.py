@@ -21,6 +21,9 @@ EXAMPLES = """examples:
   guideway drive dynabarn_worlds.json#3 --sense lidar
   guideway drive room.toml --plant mujoco --plant-set height=0.5 --video room.gif"""
 
+WORDS = {"acceleration": "m/s2 ahead", "deceleration": "m/s2 braking", "turn_rate": "rad/s turning", "turn_acceleration": "rad/s2 turning"}
+"""Limits that a plant may lower, as people read them."""
+
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
@@ -237,6 +240,14 @@ def summary(record: dict[str, Any]) -> str:
         f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms)",
     ]
     plant = record["plant"]
+    if "limits" in plant:
+        asked, held = plant["limits"]["asked"], plant["limits"]["held"]
+        less = ", ".join(
+            f"{held[name]:.3g} {words} ({'no limit' if asked[name] is None else format(asked[name], '.3g')} asked)"
+            for name, words in WORDS.items()
+            if asked[name] != held[name]
+        )
+        lines.append(f"limits       {less}: all that {plant['name']} can hold")
     if "tilt" in plant:
         tilt, slip = plant["tilt"], plant["slip"]
         lines.append(

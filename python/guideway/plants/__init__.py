@@ -27,7 +27,12 @@ PLANTS = {
 
 @runtime_checkable
 class Plant(Protocol):
-    """A mobile base, simulated or real. SI units, radians, the map's frame."""
+    """A mobile base, simulated or real. SI units, radians, the map's frame.
+
+    It may say more of itself: ``error``, the default of the controller's parameter of that name, m; ``limits``, what it can hold of the limits of
+    :class:`guideway.Limits` by their names (a motion that asks for more is timed anew); ``footprint``, the body that it has in place of a point;
+    ``extras()``, what ``run.json`` tells of it.
+    """
 
     def observe(self) -> Mapping[str, Any]:
         """What its sensors say: ``time`` (s since the start of the run), ``pose`` (x, y in m, yaw in rad), ``v`` (m/s), ``w`` (rad/s)."""

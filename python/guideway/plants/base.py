@@ -21,7 +21,9 @@ WHEEL, CASTER, ARM = 0.025, 0.0075, 0.00125
 """Shares of the mass that are not on springs: a wheel, a caster, what carries either."""
 GRAVITY = 9.81
 TOUCHES = {"contype": "1", "conaffinity": "2"}
-"""The robot touches the room; its parts do not touch each other."""
+"""The body touches the room; its parts do not touch each other."""
+ROLLS = {"contype": "4", "conaffinity": "0"}
+"""Wheels and casters touch the floor alone: the balls that stand for wheels reach out of the body."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,20 @@ class Layout:
         wheel = min(settings.wheel, 0.6 * min(shape.front, shape.back, shape.side))
         return cls(wheel, 1.6 * shape.side, 0.8 * shape.front, 0.8 * shape.back)
 
+    def holds(self, shape: Shape, settings: Settings, speed: float) -> dict[str, float]:
+        """The limits that the base can keep at up to ``speed`` m/s, with the margin of the settings: nothing lifts off, no wheel slips.
+
+        A caster is free of load where the springs have given way by all that the weight had pressed them, a wheel likewise in bends. Friction is
+        shared by braking and bends, and half of it is left for turning in place.
+        """
+        lever = settings.margin * GRAVITY / settings.height
+        grip = settings.margin * settings.friction * ON_WHEELS * GRAVITY
+        ahead, back = ((1 - ON_WHEELS) * lever * arm for arm in (self.back, self.front))
+        ahead, back = min(ahead, grip / math.sqrt(2)), min(back, grip / math.sqrt(2))
+        aside = min(ON_WHEELS * lever * self.track / 2, math.sqrt(grip**2 - max(ahead, back) ** 2))
+        spin = 0.5 * grip * (self.track / 2) * 12 / ((shape.front + shape.back) ** 2 + (2 * shape.side) ** 2)
+        return {"acceleration": ahead, "deceleration": back, "turn_rate": aside / speed, "turn_acceleration": spin}
+
     def loads(self, weight: float) -> tuple[float, float, float]:
         """Weight on each wheel, the front and the back caster, N; the centre of gravity is above the axle."""
         casters = (1 - ON_WHEELS) * weight
@@ -99,7 +115,7 @@ def build(root: Element, shape: Shape, layout: Layout, settings: Settings) -> No
             solref="0.004 1",
             rgba="0.2 0.2 0.22 1",
             **place,
-            **TOUCHES,
+            **ROLLS,
         )
     actuators = add(root, "actuator")
     for name in ("left", "right"):
@@ -141,7 +157,7 @@ def _wheel(arm: Element, name: str, radius: float, settings: Settings) -> None:
     drag = settings.rolling * settings.mass * GRAVITY * radius / 2  # all of it: the casters roll freely
     add(body, "joint", name=f"{name} wheel", type="hinge", axis="0 1 0", frictionloss=texts(drag))
     contact = {"friction": texts(settings.friction), "priority": "1", "solref": "0.004 1", "rgba": "0 0 0 0"}
-    add(body, "geom", name=f"{name} tread", type="sphere", size=texts(radius), mass=texts(WHEEL * settings.mass), **contact, **TOUCHES)
+    add(body, "geom", name=f"{name} tread", type="sphere", size=texts(radius), mass=texts(WHEEL * settings.mass), **contact, **ROLLS)
     quarter = texts(np.pi / 2, 0, 0)
     add(
         body,

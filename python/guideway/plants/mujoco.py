@@ -65,9 +65,15 @@ class MobileBase:
     ) -> None:
         self.settings = settings or Settings()
         self.simulator = self._mj = simulator()
-        self._limits: dict[str, Any] = trajectory.limits if limits is None else limits.to_dict()
         self._shape = base.Shape.of(query.footprint, self.settings.point)
         self._layout = base.Layout.of(self._shape, self.settings)
+        asked: dict[str, Any] = trajectory.limits if limits is None else limits.to_dict()
+        self.limits = self._layout.holds(self._shape, self.settings, asked["speed"]) if self.settings.margin > 0 else {}
+        """What it can hold, by the names of :class:`guideway.Limits`; empty where the settings have no margin."""
+        self._limits = asked | {"turn_rate": asked["turn_rate"] or TURN_RATE, "turn_acceleration": asked["turn_acceleration"] or TURN_ACCELERATION}
+        self._limits |= {name: min(self._limits[name], most) for name, most in self.limits.items()}
+        self.footprint = {"disc": self._shape.radius} if self._shape.radius else query.footprint
+        """The body on the floor: of a point, the disc that stands for it."""
         self.bounds = tuple(query.world.bounds)
         self._stage = Stage(query.world.movers)
         self.model = self._build(query, trajectory)
@@ -187,9 +193,9 @@ class MobileBase:
     def _servo(self, v: float, w: float, h: float) -> None:
         """Moves the wanted speeds by one step and tells the wheels."""
         limits, s = self._limits, self.settings
-        turn, turn_acceleration = limits["turn_rate"] or TURN_RATE, limits["turn_acceleration"] or TURN_ACCELERATION
-        rates = ((limits["acceleration"], limits["deceleration"]), (turn_acceleration, turn_acceleration))
-        targets = (_within(v, limits["speed"]), _within(w, turn))
+        turn = limits["turn_acceleration"]
+        rates = ((limits["acceleration"], limits["deceleration"]), (turn, turn))
+        targets = (_within(v, limits["speed"]), _within(w, limits["turn_rate"]))
         for k, lag in enumerate((s.lag_speed, s.lag_turn)):
             self._wanted[k] = lagged(self._wanted[k], targets[k], lag, rates[k], h)
         v, w = self._wanted

@@ -70,7 +70,7 @@ def _floor(assets: Element, stage: Element, place: Sequence[float]) -> None:
     add(assets, "texture", name="squares", type="2d", builtin="checker", rgb1="0.90 0.91 0.93", rgb2="0.84 0.86 0.89", width="256", height="256")
     add(assets, "material", name="floor", texture="squares", texrepeat="0.5 0.5", texuniform="true", reflectance="0.02")
     size = texts(width / 2 + 8.0, height / 2 + 8.0, 0.1)
-    add(stage, "geom", name="floor", type="plane", pos=texts(x, y, 0), size=size, material="floor", contype="2", conaffinity="1")
+    add(stage, "geom", name="floor", type="plane", pos=texts(x, y, 0), size=size, material="floor", contype="2", conaffinity="5")
 
 
 def _border(stage: Element, bounds: Sequence[float]) -> None:

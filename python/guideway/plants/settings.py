@@ -24,6 +24,7 @@ RANGES = {
     "noise_heading": (0.0, 3.2),
     "odometry_scale": (0.0, 0.5),
     "timestep": (0.0002, 0.004),
+    "margin": (0.0, 1.0),
 }
 
 
@@ -63,6 +64,8 @@ class Settings:
     """Relative error of both observed speeds, 1."""
     timestep: float = 0.001
     """Of the simulator, s."""
+    margin: float = 0.65
+    """Share of what wheels and centre of gravity can hold that is driven with; 0: drives are as they are asked for, whatever the base can hold."""
 
     def __post_init__(self) -> None:
         for name, (low, high) in RANGES.items():

@@ -34,7 +34,11 @@ def declare(parser: argparse.ArgumentParser) -> None:
     robot.add_argument("--robot", metavar="NAME", help="one that ships with the package instead: ur5e, irb6700, irb120")
     robot.add_argument("--estimated", action="store_true", help="with --robot irb6700: estimated masses, its description has none")
     robot.add_argument("--tip", metavar="LINK", help="the link that is moved (default tool0, else the end of the longest chain)")
-    robot.add_argument("--limits", metavar="FILE.toml", help="speed, acceleration, deceleration, torque (default: the robot's own, 10 rad/s2)")
+    robot.add_argument(
+        "--limits",
+        metavar="FILE.toml",
+        help="speed, acceleration, deceleration, torque, tip_speed, tip_acceleration (default: the robot's own, 10 rad/s2)",
+    )
     learning = parser.add_argument_group("learning")
     learning.add_argument(
         "--learner", default="structured", metavar="NAME", help="structured (default), source, kinematic, nominal, uniform, ilc2, rl"

@@ -22,10 +22,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from guideway.arm.learning.between import Grid
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion
 from guideway.arm.learning.spline import FLOOR, SpeedSpline
 from guideway.arm.learning.task import Task
+from guideway.arm.rows import tip_derivatives
 from guideway.errors import Infeasible
 
 Floats = NDArray[np.float64]
@@ -52,6 +54,10 @@ class Source:
         per = max(PER_SEGMENT, -(-len(task.s) // self.segments))
         self.s = np.linspace(0.0, task.s[-1], per * self.segments + 1)
         _, self.q1, self.q2 = task.path.eval(self.s, 2)
+        limits = task.limits
+        asked = limits.tip_speed is not None or limits.tip_acceleration is not None
+        self._tip = tip_derivatives(task.arm, task.path, self.s) if asked else None
+        self._bounds = Grid(task, self.s).bounds
         self.spline = SpeedSpline(task.s[-1], self.segments, self.s, self.reading)
         self.fastest = np.sqrt(self.kinematic.squared(np.linspace(0.0, task.s[-1], self.segments + 1)))
         self.size = float(np.sqrt(self.kinematic.x.max()))
@@ -71,11 +77,11 @@ class Source:
         return self.motion(self.nodes)
 
     def motion(self, nodes: Floats) -> Motion:
-        """The motion of node speeds."""
+        """The motion of node speeds; slower by what limits are exceeded between the places that are looked at."""
         x = self.spline.squared(nodes)
         if self.reading == "corrected":
             x[[0, -1]] = 0.0
-        return Motion(self.task.path, self.s, x)
+        return self.task.slowed(Motion(self.task.path, self.s, x))
 
     def violated(self, log: Log) -> NDArray[np.bool_]:
         """Segments (c,) with a torque over its limit."""
@@ -113,16 +119,26 @@ class Source:
         return nodes
 
     def too_hard(self, nodes: Floats) -> NDArray[np.bool_]:
-        """Segments (c,) in which a joint's speed or acceleration is exceeded."""
+        """Segments (c,) in which a speed or an acceleration, of a joint or of the tip, is exceeded."""
         task, x = self.task, self.spline.squared(nodes)
         u = np.diff(x) / (2 * np.diff(self.s))
-        low, high = task.bounds(self.q1)
+        low, high = self._bounds
         bad = np.zeros(len(u), bool)
         for end in (slice(None, -1), slice(1, None)):
             acceleration = self.q1[end] * u[:, None] + self.q2[end] * x[end][:, None]
             bad |= ((acceleration > high[end] * (1 + 1e-9)) | (acceleration < low[end] * (1 + 1e-9))).any(1)
-            bad |= (np.abs(self.q1[end]) * np.sqrt(x[end])[:, None] > task.speed).any(1)
+            bad |= (np.abs(self.q1[end]) * np.sqrt(x[end])[:, None] > task.speed).any(1) | self._tip_too_hard(u, x[end], end)
         return bad.reshape(self.segments, -1).any(1)
+
+    def _tip_too_hard(self, u: Floats, x: Floats, end: slice) -> NDArray[np.bool_]:
+        """Intervals (n - 1,) at one end of which the tip is too fast or accelerates too hard."""
+        if self._tip is None:
+            return np.zeros(len(u), bool)
+        fast, hard = self.task.limits.tip_speed, self.task.limits.tip_acceleration
+        one, two = (part[end] for part in self._tip)
+        speed = np.linalg.norm(one, axis=1) * np.sqrt(x)
+        acceleration = np.linalg.norm(one * u[:, None] + two * x[:, None], axis=1)
+        return np.asarray((speed > (fast or np.inf) * (1 + 1e-9)) | (acceleration > (hard or np.inf) * (1 + 1e-9)))
 
     def _lowered(self, nodes: Floats, bad: NDArray[np.bool_], step: float, lowest: float) -> Floats:
         """The larger node of every bad segment lowered, from the end of the path backwards."""

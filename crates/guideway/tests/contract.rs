@@ -97,7 +97,8 @@ fn solvable_cases_are_solved_by_every_planner_and_alike_with_any_number_of_threa
     // planners side by side: some take ten times as long as others
     REGISTRY.par_iter().for_each(|entry| {
         for query in solvable() {
-            let [one, two] = [1, 2].map(|threads| run(entry.name, &query, threads, Budget::default()).unwrap_or_else(|e| panic!("{}: {e}", entry.name)));
+            let [one, two] =
+                [1, 2].map(|threads| run(entry.name, &query, threads, Budget::default()).unwrap_or_else(|e| panic!("{}: {e}", entry.name)));
             assert_good(entry.name, &query, &one);
             assert_eq!(one.cells.is_some(), entry.lattice, "{}: lattice planners return their cells", entry.name);
             assert_eq!(one.path, two.path, "{}", entry.name);

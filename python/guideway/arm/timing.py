@@ -118,6 +118,8 @@ def _within_rate(motion: ArmMotion) -> ArmMotion:
 
 
 def _failed(check: dict[str, Any]) -> str:
+    if "gap" in check:
+        return f"{check['name']}: not so, by {check['gap']:.3g}"
     return f"{check['name']} reaches {check['ratio']:.9f} of its limit at t = {check['t']:.4f} s"
 
 

@@ -208,7 +208,8 @@ impl Course {
     }
 
     pub fn place(&self, piece: usize, t: f64) -> Place {
-        let s = if t >= 1.0 { self.anchors.iter().find(|a| a.0 > piece).map_or(self.length, |a| a.2) } else { self.length_at(piece, t) };
+        let next = || self.anchors.get(self.anchors.partition_point(|a| a.0 <= piece)).map_or(self.length, |a| a.2);
+        let s = if t >= 1.0 { next() } else { self.length_at(piece, t) };
         Place { piece, t, s }
     }
 

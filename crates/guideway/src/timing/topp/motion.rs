@@ -100,7 +100,8 @@ impl Leg {
         let mean = 0.5 * (v[0] + v[1]);
         let mut duration = step / mean;
         let mut jerk = bend * mean;
-        let gentle = jerk.abs() * duration * duration <= 3.0 * mean;
+        // A falling acceleration always gets there; a rising one below 16/9, else the speed would turn round on the way.
+        let gentle = (-3.0..1.5).contains(&(jerk * duration * duration / mean));
         if jerk == 0.0 || !gentle {
             jerk = 0.0;
             return Self { speed: v[0], acceleration: (x[1] - x[0]) / (2.0 * step), jerk, duration };

@@ -14,9 +14,9 @@ use super::windows::{Window, arrival, delay};
 use super::{Report, TopMethod, TopOptions};
 use crate::error::PlanError;
 
-/// Intervals of the first grid, and most of a refined one.
-const FIRST: usize = 160;
-const MOST: usize = 4000;
+/// Intervals of the first grid, and from where on a grid is not refined: in all, and per polynomial piece of the path where there are many.
+const FIRST: [usize; 2] = [160, 12];
+const MOST: [usize; 2] = [4000, 100];
 /// Rounds of refinement, of tightening, of tangents to the square root.
 const ROUNDS: usize = 7;
 const TIGHTENINGS: usize = 30;
@@ -54,16 +54,17 @@ pub(super) struct Solver<'a, 'd> {
 impl Solver<'_, '_> {
     pub fn solve(&mut self) -> Result<Solved, PlanError> {
         let turns = self.demands.rows.is_some() || self.bounds.acceleration != self.bounds.deceleration;
+        let at_least = |[all, each]: [usize; 2]| all.max(each * self.course.count());
         let mut report = Report::default();
         let mut grid = match self.options.grid {
             Some(count) => Grid::even(self.course, count, turns),
-            None => Grid::initial(self.course, FIRST, turns),
+            None => Grid::initial(self.course, at_least(FIRST), turns),
         };
         let mut problem = self.discretise(&grid, &mut report)?;
         let mut x = self.fastest(&problem, None)?;
         for _ in 0..if self.options.grid.is_some() { 0 } else { ROUNDS } {
             let cuts = refinement(&problem, &x, self.bounds, self.options.tolerance);
-            if cuts.iter().all(Vec::is_empty) || grid.spans.len() >= MOST {
+            if cuts.iter().all(Vec::is_empty) || grid.spans.len() >= at_least(MOST) {
                 break;
             }
             problem.bend = bends(&problem.s, &x, &problem.bend);
@@ -74,7 +75,14 @@ impl Solver<'_, '_> {
             report.refinements += 1;
         }
         problem.bend = bends(&problem.s, &x, &problem.bend);
-        x = self.fastest(&problem, Some(&x))?;
+        x = match self.fastest(&problem, Some(&x)) {
+            Ok(x) => x,
+            Err(_) => {
+                // Slopes that fit the profile before may leave none: without them there is one.
+                problem.bend.fill(0.0);
+                self.fastest(&problem, Some(&x))?
+            }
+        };
         let windows = self.wait(&mut problem, &mut x)?;
         let (legs, used) = self.tighten(&grid, &mut problem, &mut x, &mut report)?;
         for window in windows {

@@ -1,5 +1,7 @@
 use super::*;
 
+mod long;
+
 /// A spline through random points, as benches draw them.
 pub(super) fn random_path(seed: u64, points: usize, joints: usize) -> Path {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1234_5678_9ABC_DEF1;

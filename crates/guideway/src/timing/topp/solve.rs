@@ -75,13 +75,12 @@ impl Solver<'_, '_> {
             report.refinements += 1;
         }
         problem.bend = bends(&problem.s, &x, &problem.bend);
-        x = match self.fastest(&problem, Some(&x)) {
-            Ok(x) => x,
-            Err(_) => {
-                // Slopes that fit the profile before may leave none: without them there is one.
-                problem.bend.fill(0.0);
-                self.fastest(&problem, Some(&x))?
-            }
+        x = if let Ok(x) = self.fastest(&problem, Some(&x)) {
+            x
+        } else {
+            // Slopes that fit the profile before may leave none: without them there is one.
+            problem.bend.fill(0.0);
+            self.fastest(&problem, Some(&x))?
         };
         let windows = self.wait(&mut problem, &mut x)?;
         let (legs, used) = self.tighten(&grid, &mut problem, &mut x, &mut report)?;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 
 import jsonschema
 import pytest
@@ -92,6 +93,21 @@ def test_a_scene_in_the_way(tmp_path, capsys):
     code, _, err = run(capsys, *STAR, "--clearance", "0.05")
     assert code == 3
     assert "base_link_inertia and upper_arm_link" in " ".join(err.split())
+
+
+def test_urscript_is_for_arms_of_universal_robots(tmp_path, capsys):
+    (tmp_path / "abb.csv").write_text("joint_1,joint_2,joint_3,joint_4,joint_5,joint_6\n0,0,0,0,0.5,0\n0.5,0,0.1,0,0.7,0\n")
+    code, out, err = run(capsys, "arm", "time", "abb.csv", "--robot", "irb120", "--no-collisions", "--out", "out.json", "--urscript", "out.script")
+    assert (code, out) == (2, "")
+    assert "URScript is for arms of Universal Robots, not for abb_irb120_3_58" in " ".join(err.split())
+    assert not (tmp_path / "out.json").exists()
+    given = Path(gw.arm.robot("ur5e").source).read_text("utf-8")
+    (tmp_path / "cell.urdf").write_text(given.replace('<robot name="ur5e"', '<robot name="cell_7"', 1))
+    (tmp_path / "ur5e.urdf").write_text(given)
+    for name, warned in (("cell", True), ("ur5e", False)):
+        words = ["way.csv", "--urdf", f"{name}.urdf", "--no-collisions", "--urscript", f"{name}.script"]
+        assert run(capsys, "arm", "time", *words)[0] == 0
+        assert ("# WARNING: this motion is for cell_7" in (tmp_path / f"{name}.script").read_text()) == warned
 
 
 def test_all_branches(capsys):

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 LOOKAHEAD, GAIN = 0.1, 300
 """Look-ahead time (s, 0.03 to 0.2) and gain (100 to 2000) of ``servoj``."""
 
+OTHERS = ("abb_irb6700_235_265", "abb_irb120_3_58")
+"""Arms that ship with the package and do not understand URScript."""
+
 PIECE = ("t", "s", "speed", "acceleration", "jerk", "duration")
 
 
@@ -108,8 +111,12 @@ def csv_text(motion: ArmMotion, rate: float = RATE) -> str:
 def urscript(motion: ArmMotion, rate: float = RATE, lookahead: float = LOOKAHEAD, gain: int = GAIN) -> str:
     """A URScript program: a slow move to the start, then one ``servoj`` per step of 1/``rate`` s, then a stop.
 
-    Raises ``BadParameter`` for arms that do not have six joints, and for settings that ``servoj`` refuses.
+    Raises ``BadParameter`` for arms that do not have six joints, arms of the package that are not of Universal Robots, and settings that ``servoj``
+    refuses. An arm whose name does not begin with "ur" gets a warning as a comment: it may be one of Universal Robots under another name.
     """
+    name = motion.arm.name if motion.arm is not None else ""
+    if name in OTHERS:
+        raise BadParameter(f"URScript is for arms of Universal Robots, not for {name}: use --csv or --ros (csv_text, ros_yaml)")
     if len(motion.names) != 6:
         raise BadParameter(f"URScript is for arms of six joints, this motion has {len(motion.names)}")
     if not (0.03 <= lookahead <= 0.2 and 100 <= gain <= 2000 and 10 <= rate <= 500):
@@ -120,6 +127,11 @@ def urscript(motion: ArmMotion, rate: float = RATE, lookahead: float = LOOKAHEAD
     lines = [
         f"# Guideway {_core.__version__}: {motion.duration:.6f} s along {motion.path.path.length:.6f} rad, a step of {step} s each",
         "# Joints: " + ", ".join(motion.names),
+        *(
+            []
+            if name.lower().startswith("ur")
+            else [f"# WARNING: this motion is for {name or 'an arm without a name'}; only arms of Universal Robots run it."]
+        ),
         "# Check the way to the start, the payload and the safety settings of the controller before running it.",
         "def guideway_motion():",
         f"  movej({_vector(rows[0])}, a=0.5, v=0.25)",

@@ -6,7 +6,7 @@ import argparse
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from guideway.commands import options
+from guideway.commands import arm_files, options
 from guideway.errors import BadParameter, CertificateFailed
 
 if TYPE_CHECKING:
@@ -36,20 +36,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     shape.add_argument("--grid", type=int, metavar="N", help="a fixed number of points (default: chosen by error)")
     shape.add_argument("--override", type=float, metavar="F", help="the motion slowed down to F of its speed, above 0, at most 1")
     shape.add_argument("--branches", action="store_true", help="time a tool path in every branch of the inverse kinematics, and take the fastest")
-    safe = parser.add_argument_group("safety")
-    safe.add_argument(
-        "--scene", metavar="FILE.toml", help="what stands around the arm: [[box]], [[sphere]], [[cylinder]], [[mesh]], [[tool]], clearance"
-    )
-    safe.add_argument("--clearance", type=float, metavar="M", help="distance to keep from all that, and of the arm from itself, m (default 0)")
-    safe.add_argument("--no-collisions", action="store_true", help="do not check collisions")
-    out = parser.add_argument_group("output")
-    out.add_argument("--out", metavar="FILE", help="the record as JSON")
-    out.add_argument("--csv", metavar="FILE", help="the motion of the joints as a table")
-    out.add_argument("--urscript", metavar="FILE", help="a program of servoj steps for arms of Universal Robots")
-    out.add_argument("--ros", metavar="FILE", help="a ROS JointTrajectory as YAML")
-    out.add_argument("--report", metavar="FILE", help="a self-contained HTML report")
-    out.add_argument("--rate", type=float, default=500.0, metavar="HZ", help="samples per second in files (default 500; ROS 100 at most)")
-    out.add_argument("--json", action="store_true", help="the record on stdout, and nothing else there")
+    arm_files.add_safety(parser)
+    arm_files.add_output(parser)
     parser.set_defaults(handler=handle)
 
 
@@ -86,9 +74,8 @@ def arm_of(arguments: argparse.Namespace) -> Arm:
 def handle(arguments: argparse.Namespace) -> int:
     """Runs the verb."""
     _check(arguments)
-    outputs = (arguments.out, arguments.csv, arguments.urscript, arguments.ros, arguments.report)
     given = (arguments.path, arguments.nurbs, arguments.urdf, arguments.limits, arguments.scene)
-    options.writable(*outputs, inputs=given)
+    options.writable(*arm_files.places(arguments), inputs=given)
     try:
         motion = _timed(arguments)
     except ImportError as missing:
@@ -135,7 +122,7 @@ def _timed(arguments: argparse.Namespace) -> ArmMotion:
     certificate = motion.certify(collisions=around is not None, surroundings=around, clearance=arguments.clearance)
     motion.report["certificate"] = certificate
     if not certificate["ok"]:
-        raise CertificateFailed(_failure(motion, certificate))
+        raise CertificateFailed(arm_files.failure(motion, certificate))
     return motion
 
 
@@ -164,45 +151,13 @@ def _fastest(arguments: argparse.Namespace, arm: Arm, nurbs: Nurbs, limits: Join
     return min(timed, key=lambda entry: entry[0].duration)[1]
 
 
-def _failure(motion: ArmMotion, certificate: dict[str, Any]) -> str:
-    """What the certificate refuses, in one paragraph."""
-    collision = certificate["collision"]
-    if collision is not None and not collision["ok"]:
-        hit = collision["hit"]
-        near = f"come as near as {hit['distance']:.3g} m, less than the clearance, or too near to be proved apart"
-        what = "overlap" if hit["distance"] <= 0 else near
-        return (
-            f"collision: {hit['pair']} {what} at s = {hit['s']:.4g} rad, t = {motion.time_at(hit['s']):.4g} s; "
-            f"clearance {collision['clearance']:g} m. Move the path, take another posture, or correct the shapes; "
-            "--no-collisions leaves this check out"
-        )
-    worst = next(check for check in certificate["checks"] if not check["ok"])
-    if "ratio" in worst:
-        return f"certificate: {worst['name']} reaches {worst['ratio']:.9f} of its limit at t = {worst['t']:.4g} s"
-    return f"certificate: {worst['name']}: {worst.get('margin', worst.get('gap'))!r}"
-
-
 def _deliver(arguments: argparse.Namespace, motion: ArmMotion) -> None:
     import json
 
     from guideway.arm import outputs
 
     record = outputs.record(motion, arguments.rate)
-    written: list[str] = []
-    for place, text in (
-        (arguments.out, lambda: json.dumps(record, allow_nan=False) + "\n"),
-        (arguments.csv, lambda: outputs.csv_text(motion, arguments.rate)),
-        (arguments.urscript, lambda: outputs.urscript(motion, min(arguments.rate, 500.0))),
-        (arguments.ros, lambda: outputs.ros_yaml(motion, min(arguments.rate, 100.0))),
-    ):
-        if place:
-            options.write(place, text())
-            written.append(place)
-    if arguments.report:
-        from guideway.view import arm_report
-
-        arm_report([record], arguments.report)
-        written.append(arguments.report)
+    written = arm_files.write(arguments, motion, record, [record])
     if arguments.json:
         print(json.dumps(record, allow_nan=False))
         return
@@ -234,7 +189,7 @@ def summary(record: dict[str, Any]) -> str:
     margin = next((check["margin"] for check in certificate["checks"] if check["limit"] == "range"), None)
     lines.append(f"safety       joint ranges kept by {margin:.3f} rad" if margin is not None else "safety       joints without ranges")
     if certificate["collision"] is not None:
-        lines[-1] += f"; {_near(certificate['collision'])}"
+        lines[-1] += f"; {arm_files.near(certificate['collision'])}"
     return "\n".join(lines)
 
 
@@ -248,13 +203,6 @@ def _prices(record: dict[str, Any]) -> list[tuple[str, float]]:
     """What each bound of jerk or torque rate costs, the dearest first, s."""
     rows = [(_named(name, record["joints"]), value) for name, value in record["report"].get("price") or [] if value > 0]
     return sorted(rows, key=lambda row: -row[1])
-
-
-def _near(collision: dict[str, Any]) -> str:
-    closest = collision["closest"]
-    if closest is None:
-        return "nothing to collide with"
-    return f"no collision ({collision['pairs']} pairs): {closest['pair']} come as near as {closest['distance']:.3f} m"
 
 
 def _numbers(value: float | list[float]) -> str:

@@ -17,6 +17,8 @@ WINDOW = 7
 SIGMAS = 4.0
 IN_A_ROW = 3
 """Filtered samples in a row that make a violation."""
+LONGER = (15, 31, 61)
+"""Samples of the longer averages, in which noise hides less."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,16 @@ class Log:
     def violations(self, limit: Floats) -> NDArray[np.bool_]:
         """Where it is beyond the limit by more than its noise explains: four standard deviations of the filtered signal, three samples in a row."""
         return self._beyond(limit + SIGMAS * self.noise / np.sqrt(WINDOW))
+
+    def excess(self, limit: Floats) -> float:
+        """By how much longer averages of a joint's torque are beyond its limit, less four standard deviations of theirs: largest share of the
+        limit, not above 0 where noise may be all there is."""
+        worst = -1.0
+        for window in LONGER:
+            inner = np.abs(smooth(self.tau, window))[window // 2 : len(self.tau) - window // 2]
+            if len(inner):
+                worst = max(worst, float(((inner - SIGMAS * self.noise / np.sqrt(window)) / limit).max() - 1))
+        return worst
 
     def _beyond(self, limit: Floats) -> NDArray[np.bool_]:
         beyond = np.abs(self.filtered) > limit

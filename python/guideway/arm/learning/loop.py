@@ -32,8 +32,9 @@ PROFILES = 60
 @dataclass(frozen=True)
 class Trial:
     """A trial: its ``number`` from 1, ``duration`` (s), the ``lower_bound`` (s) its learner then knew, ``measured``: largest filtered torque over its
-    limit less 1 (below 0: inside) and the ``samples`` beyond what noise explains, ``stopped`` early. Of a simulated plant also ``true`` (the same of
-    the true torque) and ``time_over`` (s with any joint over its limit)."""
+    limit less 1 (below 0: inside) and the ``samples`` beyond what noise explains, ``stopped`` early. ``excess``: by how much longer averages are
+    beyond (:meth:`guideway.arm.learning.log.Log.excess`), ``accepted``: what the learner itself says of the torques, None where it has no measure of
+    its own. Of a simulated plant also ``true`` (as ``measured``, of the true torque) and ``time_over`` (s with any joint over its limit)."""
 
     number: int
     duration: float
@@ -43,11 +44,26 @@ class Trial:
     stopped: bool
     true: float | None = None
     time_over: float | None = None
+    excess: float = 0.0
+    accepted: bool | None = None
 
     @property
     def clean(self) -> bool:
         """Was no violation measured?"""
         return not self.samples and not self.stopped
+
+    @property
+    def good(self) -> bool:
+        """Was no violation measured, by the measure of its learner where it has one?"""
+        return self.clean if self.accepted is None else self.accepted
+
+
+def best_of(trials: Sequence[Trial]) -> int | None:
+    """Index of the fastest trial without a measured violation, None where there is none. Those without an excess in longer averages come first: what
+    hides in the noise of single samples does not hide there."""
+    good = [k for k, trial in enumerate(trials) if trial.good]
+    found = [k for k in good if trials[k].excess <= 0] or good
+    return min(found, key=lambda k: trials[k].duration) if found else None
 
 
 @dataclass
@@ -67,9 +83,8 @@ class Learned:
 
     @property
     def best(self) -> int | None:
-        """Index of the fastest trial without a measured violation."""
-        clean = [k for k, trial in enumerate(self.trials) if trial.clean]
-        return min(clean, key=lambda k: self.trials[k].duration) if clean else None
+        """Index of the fastest trial without a measured violation: :func:`best_of`."""
+        return best_of(self.trials)
 
     @property
     def motion(self) -> Motion:
@@ -85,29 +100,30 @@ class Learned:
             asdict(trial) | {"clean": trial.clean} | (known or {"ratio": trial.duration / self.oracle.duration if self.oracle else None})
             for trial in self.trials
         ]
-        return with_profiles(rows, self.motions)
+        return with_profiles(rows, self.motions, self.best)
 
 
-def with_profiles(rows: list[dict[str, Any]], motions: Sequence[Motion]) -> list[dict[str, Any]]:
-    """Records of trials with the ``profile`` of their motions, of more than :data:`PROFILES` trials only that of the clean ones' fastest, the last
-    one and some in between."""
+def with_profiles(rows: list[dict[str, Any]], motions: Sequence[Motion], best: int | None) -> list[dict[str, Any]]:
+    """Records of trials with the ``profile`` of their motions, of more than :data:`PROFILES` trials only that of the best one, the last one and some
+    in between."""
     step = max(1, -(-len(rows) // PROFILES))
-    clean = [k for k, row in enumerate(rows) if row["clean"]]
-    kept = {*range(0, len(rows), step), len(rows) - 1, *(clean and [min(clean, key=lambda k: rows[k]["duration"])])}
+    kept = {*range(0, len(rows), step), len(rows) - 1, best}
     return [row | ({"profile": motion.profile()} if k in kept else {}) for k, (row, motion) in enumerate(zip(rows, motions, strict=True))]
 
 
-def judged(task: Task, number: int, log: Log, lower: float | None, true: tuple[Floats, Floats] | None) -> Trial:
+def judged(task: Task, number: int, log: Log, learner: Learner, true: tuple[Floats, Floats] | None) -> Trial:
     """What can be said of a trial."""
+    lower, accepts = getattr(learner, "lower_bound", None), getattr(learner, "accepts", None)
     measured = float((np.abs(log.filtered) / task.torque).max() - 1)
     samples = int(log.violations(task.torque).any(1).sum())
     found = (number, log.motion.duration, lower, measured, samples, log.stopped)
+    own = {"excess": log.excess(task.torque), "accepted": None if accepts is None else bool(accepts(log))}
     if true is None:
-        return Trial(*found)
+        return Trial(*found, **own)
     t, tau = true
     share = (np.abs(tau) / task.torque).max(1)
     over = share > 1
-    return Trial(*found, float(share.max() - 1), float((np.diff(t) * (over[1:] & over[:-1])).sum()))
+    return Trial(*found, float(share.max() - 1), float((np.diff(t) * (over[1:] & over[:-1])).sum()), **own)
 
 
 class Interrupted(KeyboardInterrupt):
@@ -142,7 +158,7 @@ def _tried(found: Learned, learner: Learner, plant: ArmPlant, trials: int, obser
         if log.motion is not motion:
             raise BadParameter("the plant returned the log of another motion: run(motion) must return Log(motion, ...)")
         true = getattr(plant, "true", None)
-        trial = judged(found.task, number, log, getattr(learner, "lower_bound", None), true[-1] if true else None)
+        trial = judged(found.task, number, log, learner, true[-1] if true else None)
         found.motions.append(motion)
         found.logs.append(log)
         found.trials.append(trial)

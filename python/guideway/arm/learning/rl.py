@@ -56,6 +56,10 @@ class Tabular:
         explore = self.explore * 0.5 ** (6 * self._learned / self.trials) if self._learned < self.trials - 1 else 0.0
         return self._choose(explore)
 
+    def accepts(self, log: Log) -> bool:
+        """Was no torque beyond its limit less the margin?"""
+        return not (log.stopped or log.over(self.task.torque, self.margin).any())
+
     def _choose(self, explore: float) -> Motion:
         level, self._steps = self.bins // 4, []
         levels = [level]

@@ -76,6 +76,10 @@ class Source:
             self.nodes = self.corrected(self.nodes, over, log)
         return self.motion(self.nodes)
 
+    def accepts(self, log: Log) -> bool:
+        """Was no torque beyond its limit less the margin?"""
+        return not (log.stopped or log.over(self.task.torque, self.margin).any())
+
     def motion(self, nodes: Floats) -> Motion:
         """The motion of node speeds; slower by what limits are exceeded between the places that are looked at."""
         x = self.spline.squared(nodes)

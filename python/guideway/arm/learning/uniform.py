@@ -22,7 +22,7 @@ class Uniform:
         """Half way between what was good and what was not; the last motion is the best good one."""
         good, bad, share = 0.0, 1.0, 1.0
         for log in logs:
-            clean = not (log.stopped or log.over(self.task.torque, self.margin).any())
+            clean = self.accepts(log)
             if clean:
                 good = share
             else:
@@ -31,3 +31,7 @@ class Uniform:
                 return None
             share = good if good > 0 and bad - good <= self.closest else 0.5 * (good + bad)
         return self.task.optimum().slower(share) if share > 1e-3 else None
+
+    def accepts(self, log: Log) -> bool:
+        """Was no torque beyond its limit less the margin?"""
+        return not (log.stopped or log.over(self.task.torque, self.margin).any())

@@ -15,7 +15,7 @@ function checkName(motion, check) {
 
 function verdictOf(motion) {
   const { certificate } = motion;
-  if (!certificate && motion.trials.length) return learnedVerdict(motion);
+  if (motion.trials.length && (!certificate || certificate.ok === true)) return learnedVerdict(motion);
   if (!certificate) return ["none", "Limits not checked", "This file holds no certificate."];
   const collision = record(certificate.collision);
   if (certificate.ok === true) {
@@ -111,13 +111,14 @@ const bestOf = (motion) => motion.trials.find((trial) => trial.number === motion
 function learnedVerdict(motion) {
   const best = bestOf(motion);
   if (!best) return ["none", `Learned from ${motion.trials.length} trials`, "This motion has not been run yet."];
-  if (best.clean === false) return ["warn", "Every trial had a violation", `The motion shown is that of trial ${best.number}, the nearest to none.`];
-  return ["good", "No violation measured", null];
+  if (best.clean === false || best.accepted === false) return ["warn", "Every trial had a violation", `The motion shown is that of trial ${best.number}, the nearest to none.`];
+  const checked = motion.certificate ? "Speeds, accelerations, ranges and the path were certified; torques were measured, which proves nothing of the next run." : null;
+  return ["good", "No violation measured", checked];
 }
 
 function learningWords(motion) {
   const best = bestOf(motion);
-  if (!best || best.clean === false) return null;
+  if (!best || best.clean === false || best.accepted === false) return null;
   const bound = finite(best.lower_bound) && best.lower_bound > 0 ? `, at most ${(100 * (best.duration / best.lower_bound - 1)).toFixed(1)}\u00a0% slower than anything the learner still holds possible` : "";
   const truth = finite(best.true) ? ` Its true torque reaches ${over(best.true)}\u00a0% of a limit.` : "";
   return make("p", { class: "words" }, `Trial ${best.number} of ${motion.trials.length} is the fastest without a measured violation${bound}.${truth}`);

@@ -15,7 +15,7 @@ pytest.importorskip("pinocchio")
 
 import guideway as gw
 from guideway import schemas
-from guideway.arm.learning import Log, Task, make_learner
+from guideway.arm.learning import LEARNERS, Log, Task, make_learner
 from guideway.arm.learning.loop import best_of, judged
 from guideway.cli import main
 from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
@@ -218,3 +218,9 @@ def test_what_noise_hides_in_single_samples_shows_in_longer_averages(task):
     assert beyond.duration < inside.duration
     assert best_of([beyond, inside]) == 1
     assert best_of([beyond]) == 0
+
+
+def test_help_names_every_learner(capsys):
+    assert main(["arm", "learn", "--help"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert all(re.search(rf"\b{name}\b", said) for name in LEARNERS)

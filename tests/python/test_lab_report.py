@@ -403,6 +403,32 @@ def test_a_method_that_could_not_be_run_is_not_judged(tmp_path: Path) -> None:
     assert claims[3]["reason"] == "poor could not be run here: MissingExtra: it needs a library"
 
 
+def test_what_nobody_could_do_is_left_out_only_where_the_claim_says_so(tmp_path: Path) -> None:
+    def refused(method: str, seed: int, words: str, kind: str = "Infeasible") -> dict[str, Any]:
+        return record("one", method, seed, 1.0, status="failed", certified=None, measures={}, error={"type": kind, "message": words})
+
+    rows = [record("one", method, seed, 10.0) for method in ("good", "poor") for seed in range(10)]
+    rows += [refused(method, 10, "static overload: 41 N m") for method in ("good", "poor")]
+    claim = '[[claims]]\nsays = "it succeeds"\ntest = "share"\nmetric = "success"\nmethod = "good"\nvalue = 1\n'
+
+    def verdict(name: str, more: list[dict[str, Any]], possible: str) -> dict[str, Any]:
+        return summaries(put(tmp_path / name, spec(["one"], ["good", "poor"], rest=claim + possible), rows + more))["claims"][0]
+
+    plain, fair = verdict("plain", [], ""), verdict("fair", [], "possible = true\n")
+    assert plain["verdict"] != "holds"
+    assert "10 of 11 runs" in plain["reason"]
+    assert fair["verdict"] == "holds"
+    assert "10 of 10 runs" in fair["reason"]
+    assert "1 runs left out" in fair["reason"]
+    # refused alone, in other words, or for another reason: that is the method's failure
+    own = verdict("own", [refused("good", 11, "static overload: 40 N m"), record("one", "poor", 11, 10.0)], "possible = true\n")
+    assert "10 of 11 runs" in own["reason"]
+    other = verdict("other", [refused("good", 11, "no way"), refused("poor", 11, "gave up")], "possible = true\n")
+    assert "10 of 11 runs" in other["reason"]
+    broken = verdict("broken", [refused(method, 11, "a bug", "ValueError") for method in ("good", "poor")], "possible = true\n")
+    assert "10 of 11 runs" in broken["reason"]
+
+
 def test_yes_and_no_have_the_interval_of_a_rate(tmp_path: Path) -> None:
     rows = [record("one", "good", seed, 10.0, measures={"turns": seed > 1}) for seed in range(6)]
     found = summaries(put(tmp_path / "runs", spec(["one"], ["good"]), rows))["cells"][0]["measures"]["turns"]

@@ -86,6 +86,8 @@ class Claim:
     tolerance: float | None
     alpha: float
     reason: str
+    possible: bool = False
+    """Of ``share``: leave out what every method was refused in the same words, because no solution exists."""
 
 
 @dataclass(frozen=True)

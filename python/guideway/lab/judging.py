@@ -54,7 +54,10 @@ def _claim(table: Table, names: Names, metrics: list[str]) -> Claim:
         tolerance=table.optional("tolerance", 0, 1e12, ""),
         alpha=table.number("alpha", 0, 1, "", 0.05, above=True),
         reason=_text(table, "reason"),
+        possible=table.flag("possible"),
     )
+    if found.possible and test != "share":
+        raise table.bad("possible", "true only with test = 'share'")
     needs = {"lower": ["than"], "higher": ["than"], "within": ["value", "tolerance"], "share": ["value"], "growth": ["value"], "none": ["reason"]}[
         test
     ]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .cells import Cell, Grid, pairs
+from .cells import Cell, Grid, pairs, seed_of
 from .experiment import Claim, Metric
 from .growing import fits
 from .statistics import describe, holm, paired, success
@@ -16,6 +16,9 @@ LEAST_PAIRS = 6
 """With fewer pairs that differ no two-sided signed-rank test reaches 5 %."""
 UNMADE = ("ImportError", "ModuleNotFoundError", "MissingExtra", "TypeError", "AttributeError", "NameError", "SyntaxError", "BadParameter", "BadFile")
 """Errors that say nothing of a method: its library is missing, or it was called in a way that it does not know."""
+
+REFUSED = ("Infeasible", "NoPath")
+"""Errors of tasks that have no solution."""
 
 
 def judge(grid: Grid, claim: Claim) -> dict[str, Any]:
@@ -193,14 +196,35 @@ def grows(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
 
 
 def share(grid: Grid, claim: Claim) -> tuple[str, str, dict[str, Any]]:
-    """At least a share of all runs succeed, or have a measure that is true; a run that failed counts against it."""
+    """At least a share of all runs succeed, or have a measure that is true; a run that failed counts against it. Of ``possible`` runs alone those
+    do not count that every method was refused in the same words because nothing is there to be found: that is the task's doing, nobody's failure."""
     cells = [cell for cell in chosen(grid, claim, claim.method) if cell]
     lack = unmade(claim.method, cells)
     if lack or claim.value is None:
         return OPEN, lack or "it names no share", {}
-    runs = sum(len(cell.records) for cell in cells)
+    out = sum(len(impossible(grid, cell)) for cell in cells) if claim.possible else 0
+    runs = sum(len(cell.records) for cell in cells) - out
+    if not runs:
+        return OPEN, f"none of {out} runs was possible", {}
     hits = sum(value > 0 for cell in cells for value in cell.values(claim.metric))
     rate = success(hits, runs)
     words = f"{hits} of {runs} runs, {100 * hits / runs:.1f} % [{100 * rate.low:.1f}, {100 * rate.high:.1f}], asked: {100 * claim.value:.1f} %"
     verdict = HOLDS if hits / runs >= claim.value - 1e-12 else OPEN if rate.high >= claim.value else FAILS
+    words += f"; {out} runs left out: no solution exists, every method was told so" if out else ""
     return verdict, words + ("; too few runs to refute it" if verdict == OPEN else ""), rate.to_dict()
+
+
+def impossible(grid: Grid, cell: Cell) -> set[int]:
+    """Seeds of a cell on which every method of the experiment, two or more, was refused in the same words as there is no solution."""
+    cells = [grid.cell(cell.instance, method) for method in grid.methods]
+    if len(cells) < 2 or any(other is None for other in cells):
+        return set()
+    said = [{seed_of(record): _refusal(record) for record in other.records} for other in cells if other is not None]
+    first = said[0]
+    return {seed for seed, words in first.items() if words is not None and all(other.get(seed) == words for other in said)}
+
+
+def _refusal(record: Mapping[str, Any]) -> str | None:
+    """What a run was told where no solution exists."""
+    error = record.get("error")
+    return str(error.get("message")) if isinstance(error, Mapping) and error.get("type") in REFUSED else None

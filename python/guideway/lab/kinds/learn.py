@@ -82,6 +82,8 @@ def run(run: Run) -> Outcome:
 
     world = {**WORLD, **run.world}
     task = _task(world["robot"], world["path"], float(world["acceleration"]), _torque(world))
+    # first: a plant that cannot stand still is refused before any method is tried, in the same words for all
+    best = _optimum(task, world, run.seed if world["random"] else None)
     plant = plant_of(task, world, run.seed)
     settings = dict(run.method.get("set", {}))
     if run.method["learner"] == "rl":
@@ -89,7 +91,6 @@ def run(run: Run) -> Outcome:
     found = tried(task, make_learner(run.method["learner"], task, settings), plant, int(run.method.get("trials", 6)))
     if not found.trials:
         raise Infeasible("the learner made no motion to try")
-    best = _optimum(task, world, run.seed if world["random"] else None)
     measures, curve = judged(found, task, best)
     finite = all(value is None or math.isfinite(value) for value in measures.values())
     return Outcome(measures=measures, curve=curve, certified=finite)

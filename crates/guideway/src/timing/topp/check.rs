@@ -45,6 +45,11 @@ impl Use {
         self.speed = self.speed.max(peak(1));
     }
 
+    /// Of the motion with its squared speeds divided by a factor.
+    pub fn slowed(self, factor: f64) -> Self {
+        Self { rows: self.rows / factor, speed: self.speed / factor, most: self.most / factor, ..self }
+    }
+
     /// Notes what binds where the use is largest.
     fn name(&mut self, [speeds, rows]: [&[f64]; 2]) {
         for (i, (speed, row)) in speeds.iter().zip(rows).enumerate() {
@@ -99,11 +104,11 @@ impl Gauge {
     }
 }
 
-/// The check of every interval at `count + 1` places.
-pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg], count: usize) -> Vec<Use> {
+/// The check of some of the intervals at `count + 1` places.
+pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, (legs, which): (&[Leg], &[usize]), count: usize, used: &mut [Use]) {
     let mut shape = Shape::new(course.dimension);
     let mut gauge = Gauge::new(bounds);
-    let mut check = |(span, leg): (&Span, &Leg)| {
+    let mut check = |span: &Span, leg: &Leg| {
         let mut used = Use::default();
         let rates = [0.0, 1.0].map(|tau| {
             course.shape_in(span, tau, &mut shape);
@@ -112,14 +117,16 @@ pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg]
         let way = Way::new(span, rates);
         let width = span.t[1] - span.t[0];
         let still = ASIDE * span.length() / width;
-        let mut past = [[0.0; 2]; 2];
+        let (mut past, step) = ([[0.0; 2]; 2], 1.0 / count as f64);
+        let clock = leg.clock(span.length());
         for j in 0..=count {
-            let tau = j as f64 / count as f64;
-            let [x, u] = leg.at(way.at(tau).max(0.0));
+            let tau = j as f64 * step;
+            let [x, u] = clock.at(way.at(tau).max(0.0));
             let [square, product] = course.moving(span.piece, span.t[0] + width * tau, &mut shape);
             let now = if square > still * still {
-                let beta = x / square;
-                gauge.read(&shape, u / square.sqrt() - beta * product / square, beta)
+                let inverse = 1.0 / square;
+                let beta = x * inverse;
+                gauge.read(&shape, u * inverse * square.sqrt() - beta * product * inverse, beta)
             } else {
                 course.shape_in(span, tau, &mut shape);
                 gauge.read(&shape, u, x)
@@ -135,29 +142,32 @@ pub(super) fn joints(course: &Course, grid: &Grid, bounds: &Bounds, legs: &[Leg]
         }
         used
     };
-    grid.spans.iter().zip(legs).map(&mut check).collect()
+    for k in which {
+        used[*k] = check(&grid.spans[*k], &legs[*k]);
+    }
 }
 
 /// How far inside an interval its ends are checked, as a share: rows may jump at nodes.
 const INSIDE: f64 = 1e-7;
 
-/// The check of what is called for, at `count + 1` places of every interval, added to `used`.
-pub(super) fn demands(demands: &mut Demands, s: &[f64], legs: &[Leg], count: usize, used: &mut [Use]) -> Result<(), PlanError> {
+/// The check of what is called for, at `count + 1` places of some of the intervals, added to `used`.
+pub(super) fn demands(demands: &mut Demands, s: &[f64], (legs, which): (&[Leg], &[usize]), count: usize, used: &mut [Use]) -> Result<(), PlanError> {
     if demands.rows.is_none() && demands.ceiling.is_none() {
         return Ok(());
     }
     let share = |j: usize| (j as f64 / count as f64).clamp(INSIDE, 1.0 - INSIDE);
-    let places: Vec<f64> = s.windows(2).flat_map(|w| (0..=count).map(move |j| w[0] + (w[1] - w[0]) * share(j))).collect();
+    let places: Vec<f64> = which.iter().flat_map(|k| (0..=count).map(move |j| s[*k] + (s[k + 1] - s[*k]) * share(j))).collect();
     let at = |k: usize, j: usize| legs[k].at((s[k + 1] - s[k]) * share(j));
     if let Some(rows) = &mut demands.rows {
         let rows = rows(&places)?.checked(places.len())?;
-        for (k, used) in used.iter_mut().enumerate() {
+        for (n, k) in which.iter().enumerate() {
+            let used = &mut used[*k];
             let mut past = [[0.0; 2]; 2];
             for j in 0..=count {
-                let [x, u] = at(k, j);
+                let [x, u] = at(*k, j);
                 let mut most = 0.0f64;
                 for r in 0..rows.count {
-                    let i = (k * (count + 1) + j) * rows.count + r;
+                    let i = (n * (count + 1) + j) * rows.count + r;
                     let value = rows.a[i] * u + rows.b[i] * x + rows.c[i] + rows.d.get(i).map_or(0.0, |d| d * x.sqrt());
                     let excess = (value - rows.high[i]).max(rows.low[i] - value);
                     let share = 1.0 + excess / scale([rows.low[i], rows.high[i]]);
@@ -173,10 +183,10 @@ pub(super) fn demands(demands: &mut Demands, s: &[f64], legs: &[Leg], count: usi
     }
     if let Some(ceiling) = &mut demands.ceiling {
         let ceiling = checked_ceiling(ceiling(&places)?, places.len())?;
-        for (k, used) in used.iter_mut().enumerate() {
+        for (n, k) in which.iter().enumerate() {
             for j in 0..=count {
-                let (x, bound) = (at(k, j)[0], ceiling[k * (count + 1) + j]);
-                used.note(if x > 0.0 { x / bound } else { 0.0 }, Binding::Ceiling);
+                let (x, bound) = (at(*k, j)[0], ceiling[n * (count + 1) + j]);
+                used[*k].note(if x > 0.0 { x / bound } else { 0.0 }, Binding::Ceiling);
             }
         }
     }

@@ -132,6 +132,20 @@ impl Course {
         [inner(&shape.first, &shape.first), inner(&shape.first, &shape.second)]
     }
 
+    /// First three derivatives by the parameter, and those of the parameter by time where the path moves with a speed, an acceleration and a jerk.
+    pub fn driven(&self, piece: usize, t: f64, [v, a, j]: [f64; 3], shape: &mut Shape) -> [f64; 3] {
+        self.by_parameter(piece, t, shape);
+        let Shape { first, second, third, rate } = shape;
+        let speed = inner(first, first).sqrt();
+        let inverse = 1.0 / speed;
+        let turning = inner(first, second) * inverse;
+        let bending = (inner(second, second) + inner(first, third) - turning * turning) * inverse;
+        *rate = [speed, turning];
+        let once = v * inverse;
+        let twice = (a - turning * once * once) * inverse;
+        [once, twice, (j - once * (3.0 * turning * twice + bending * once * once)) * inverse]
+    }
+
     /// First two derivatives by arc length; the curve must move there.
     pub fn shape(&self, piece: usize, t: f64, shape: &mut Shape) {
         self.by_parameter(piece, t, shape);

@@ -3,13 +3,17 @@
 use super::course::{Course, Span, Way};
 
 /// Spans on which places of the path are found by their arc length.
-pub(super) const WALK: usize = 2500;
+pub(super) const WALK: usize = 400;
 
-/// Spans along which the speed by the parameter changes less than by this factor, and those shorter than this share of the path, are not cut further.
-const EVEN: f64 = 0.8;
+/// Spans shorter than this share of the path are not cut further, and those shorter than this along which the speed by the parameter changes less than by
+/// this factor.
 const LEAST: f64 = 1e-10;
+const SHORT: f64 = 1e-4;
+const EVEN: f64 = 0.8;
 /// Error of the arc length within a span, as a share of its length.
 const FIT: f64 = 1e-9;
+/// Error of the arc length itself, as a share of the path.
+const KNOWN: f64 = 1e-10;
 
 /// The intervals of a grid, and the shape of the path at their ends and in their middles.
 #[derive(Debug)]
@@ -57,7 +61,7 @@ impl Grid {
     /// `count` intervals of equal arc length, and the places where pieces meet or the path turns back besides.
     pub fn even(course: &Course, count: usize, turns: bool) -> Self {
         // Places are found on spans of their own, short enough for arc length within them to be exact.
-        let breaks = Self::initial(course, count.max(WALK), turns);
+        let breaks = Self::initial(course, WALK, turns);
         let mut at: Vec<f64> = (0..=count).map(|i| course.length * i as f64 / count as f64).collect();
         let tiny = 1e-3 * course.length / count as f64;
         let fixed = self::breaks(course, turns);
@@ -128,10 +132,15 @@ impl Grid {
 /// Adds a span, cut into halves until a quintic gives the arc length within each: beside a place where the path all but stops by its parameter it would
 /// not.
 fn resolve(course: &Course, span: Span, spans: &mut Vec<Span>) {
-    let [a, b] = span.t.map(|t| course.speed(span.piece, t));
     let middle = course.place(span.piece, 0.5 * (span.t[0] + span.t[1]));
-    let fits = a.min(b) > EVEN * a.max(b) || span.length() < LEAST * course.length || middle.s <= span.s[0] || middle.s >= span.s[1];
-    if fits || (Way::of(course, &span).at(0.5) - (middle.s - span.s[0])).abs() < FIT * span.length() {
+    let tiny = span.length() < LEAST * course.length || middle.s <= span.s[0] || middle.s >= span.s[1];
+    let fits = || {
+        let [a, b] = span.t.map(|t| course.speed(span.piece, t));
+        let even = a.min(b) > EVEN * a.max(b);
+        let miss = (Way::of(course, &span).at(0.5) - (middle.s - span.s[0])).abs();
+        miss < FIT * span.length() || (even && (span.length() < SHORT * course.length || miss < KNOWN * course.length))
+    };
+    if tiny || fits() {
         spans.push(span);
         return;
     }

@@ -137,6 +137,42 @@ impl Leg {
     }
 }
 
+/// A leg with a guess of when it is where: the cubic through its times and speeds at both ends.
+pub(super) struct Clock<'a> {
+    leg: &'a Leg,
+    /// One over the length, and the coefficients of the cubic in the share of the way.
+    inverse: f64,
+    cubic: [f64; 3],
+}
+
+impl Leg {
+    /// Over a way of the given length.
+    pub fn clock(&self, length: f64) -> Clock<'_> {
+        let end = self.speed + self.duration * (self.acceleration + 0.5 * self.jerk * self.duration);
+        let [from, to] = [length / self.speed, length / end];
+        Clock { leg: self, inverse: 1.0 / length, cubic: [from, 3.0 * self.duration - 2.0 * from - to, from + to - 2.0 * self.duration] }
+    }
+}
+
+impl Clock<'_> {
+    /// Squared speed and acceleration after the way `way`.
+    pub fn at(&self, way: f64) -> [f64; 2] {
+        let Leg { speed, acceleration, jerk, .. } = *self.leg;
+        if jerk == 0.0 {
+            return [(speed * speed + 2.0 * acceleration * way).max(0.0), acceleration];
+        }
+        let (z, [a, b, c]) = (way * self.inverse, self.cubic);
+        let (s, v, a) = advance((0.0, speed, acceleration), jerk, z * (a + z * (b + z * c)));
+        let late = (way - s) / v;
+        // What is left after this step is of the order of its square.
+        if (way - s).abs() <= 1e-6 * way {
+            let v = v + late * (a + 0.5 * late * jerk);
+            return [v * v, a + late * jerk];
+        }
+        self.leg.at(way)
+    }
+}
+
 /// The legs between the points of a profile.
 pub(super) fn legs(s: &[f64], x: &[f64], bend: &[f64]) -> Vec<Leg> {
     (0..bend.len()).map(|k| Leg::new(s[k + 1] - s[k], [x[k], x[k + 1]], bend[k])).collect()

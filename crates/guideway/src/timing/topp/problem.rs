@@ -8,7 +8,7 @@ use super::course::{Course, Shape, Way};
 use super::grid::Grid;
 use super::limits::Bounds;
 use super::rows::Rows;
-use super::strips::{Limit, Strips};
+use super::strips::{Columns, Limit, Strips};
 use crate::error::PlanError;
 
 /// Places of an interval, as shares of its parameter.
@@ -46,6 +46,22 @@ pub(super) struct Raw {
     pub high: f64,
 }
 
+/// Limits of acceleration on an interval.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Accelerations {
+    /// Lower and upper, joint by joint.
+    pub bounds: [Vec<f64>; 2],
+    /// Coefficients a, b, c, joint by joint, at the start, between, at the end.
+    pub rows: [[Vec<f64>; 3]; 3],
+}
+
+impl Accelerations {
+    pub fn columns(&self, p: usize) -> Columns<'_> {
+        let [a, b, c] = &self.rows[p];
+        Columns { a, b, c, bottom: &self.bounds[0], top: &self.bounds[1] }
+    }
+}
+
 /// A discretised problem.
 #[derive(Debug)]
 pub(super) struct Problem {
@@ -70,7 +86,8 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub fn new(course: &Course, grid: &Grid, bounds: &Bounds, demands: &mut Demands) -> Result<Self, PlanError> {
+    /// On a grid; intervals that were on the grid `before` as well keep their shape.
+    pub fn new(course: &Course, grid: &Grid, bounds: &Bounds, demands: &mut Demands, before: Option<(&Self, &Grid)>) -> Result<Self, PlanError> {
         let (n, joints) = (grid.spans.len(), course.dimension);
         let size = 3 * n * joints;
         let mut problem = Self {
@@ -85,8 +102,18 @@ impl Problem {
             middles: Vec::new(),
             tightened: vec![1.0; n],
         };
-        let mut shape = Shape::new(joints);
+        let (mut shape, mut old) = (Shape::new(joints), 0);
         for span in &grid.spans {
+            if let Some((before, grid)) = before {
+                old += grid.spans[old..].iter().take_while(|other| other.s[1] <= span.s[0]).count();
+                if grid.spans.get(old) == Some(span) {
+                    let range = 3 * old * joints..3 * (old + 1) * joints;
+                    problem.first.extend_from_slice(&before.first[range.clone()]);
+                    problem.second.extend_from_slice(&before.second[range]);
+                    problem.ways.push(before.ways[old]);
+                    continue;
+                }
+            }
             let mut rates = [[0.0; 2]; 3];
             for (place, rate) in PLACES.iter().zip(&mut rates) {
                 course.shape_in(span, *place, &mut shape);
@@ -185,26 +212,58 @@ impl Problem {
         3 * (self.joints + self.extra_count())
     }
 
-    /// Which limit line `i` of an interval belongs to: a joint's acceleration, or a demand.
+    /// Which limit line `i` of the strips belongs to: a joint's acceleration, or a demand.
     pub fn owner(&self, line: usize) -> Result<usize, usize> {
-        let limit = line / 3;
+        if line < 3 * self.joints { Ok(line % self.joints) } else { self.limit(line / 3) }
+    }
+
+    /// What a limit belongs to.
+    pub fn limit(&self, limit: usize) -> Result<usize, usize> {
         if limit < self.joints { Ok(limit) } else { Err(limit - self.joints) }
     }
 
-    /// The limits of interval `k`, three for each: at its start, between, at its end.
-    pub fn limits(&self, k: usize, bounds: &Bounds, out: &mut Vec<Raw>) {
-        out.clear();
+    /// The limits of acceleration on interval `k`: bounds, then coefficients joint by joint at its start, between, at its end.
+    fn accelerations(&self, k: usize, bounds: &Bounds, out: &mut Accelerations) {
         let (joints, ways, tight, bend) = (self.joints, self.ways[k], self.tightened[k], self.bend[k]);
         let first = [0, 1, 2].map(|p| Self::shape(&self.first, joints, k, p));
         let second = [0, 1, 2].map(|p| Self::shape(&self.second, joints, k, p));
-        for i in 0..joints {
-            let [low, high] = bounds.acceleration(i, [first[0][i], first[2][i]]).map(|v| v / tight);
-            let rows = [0, 1, 2].map(|p| {
-                let (way, a, b) = (ways[p], first[p][i], second[p][i]);
-                Raw { a: a + 2.0 * way * b, b, c: bend * way * (a + way * b), low, high, ..Raw::default() }
-            });
-            enclose(rows, out);
+        out.bounds.iter_mut().chain(out.rows.as_flattened_mut()).for_each(|values| values.resize(joints, 0.0));
+        let inverse = 1.0 / tight;
+        for (i, ends) in first[0].iter().zip(first[2]).enumerate() {
+            [out.bounds[0][i], out.bounds[1][i]] = bounds.acceleration(i, [*ends.0, *ends.1]).map(|v| v * inverse);
         }
+        for (p, rows) in out.rows.iter_mut().enumerate() {
+            let ([a, b, c], way, first, second) = (rows, ways[p], &first[p][..joints], &second[p][..joints]);
+            let (a, b, c) = (&mut a[..joints], &mut b[..joints], &mut c[..joints]);
+            for i in 0..joints {
+                a[i] = first[i] + 2.0 * way * second[i];
+                b[i] = second[i];
+                c[i] = bend * way * (first[i] + way * second[i]);
+            }
+        }
+        let [start, middle, end] = &mut out.rows;
+        for (start, (middle, end)) in start.iter().zip(middle.iter_mut().zip(end.iter())) {
+            for (start, (middle, end)) in start.iter().zip(middle.iter_mut().zip(end)) {
+                *middle = 2.0 * *middle - 0.5 * (start + end);
+            }
+        }
+    }
+
+    /// All limits of interval `k`, three for each: at its start, between, at its end.
+    pub fn limits(&self, k: usize, bounds: &Bounds, out: &mut Vec<Raw>) {
+        let mut own = Accelerations::default();
+        self.accelerations(k, bounds, &mut own);
+        out.clear();
+        for i in 0..self.joints {
+            let [low, high] = [0, 1].map(|side| own.bounds[side][i]);
+            out.extend(own.rows.iter().map(|[a, b, c]| Raw { a: a[i], b: b[i], c: c[i], low, high, ..Raw::default() }));
+        }
+        self.demanded(k, out);
+    }
+
+    /// Adds the limits of the demands on interval `k`, three for each.
+    fn demanded(&self, k: usize, out: &mut Vec<Raw>) {
+        let (ways, tight, bend) = (self.ways[k], self.tightened[k], self.bend[k]);
         let Some(extra) = &self.extra else { return };
         for r in 0..extra.count {
             let rows = [0, 1, 2].map(|p| {
@@ -220,20 +279,27 @@ impl Problem {
 
     /// How far from every bound a profile stays on interval `k`, as a share of the nearest bound, on average over start, middle and end: an optimum has
     /// something at its bound everywhere.
-    pub fn slack(&self, k: usize, bounds: &Bounds, x: &[f64], limits: &mut Vec<Raw>) -> f64 {
+    pub fn slack(&self, k: usize, bounds: &Bounds, x: &[f64], (own, limits): (&mut Accelerations, &mut Vec<Raw>)) -> f64 {
         let (length, bend) = (self.ways[k][2], self.bend[k]);
         let u = (x[k + 1] - x[k]) / (2.0 * length) - 0.5 * bend * length;
         let at = |way: f64| (x[k] + way * (2.0 * u + bend * way)).max(0.0);
         let tops = [self.ceiling[k], self.middles[k], self.ceiling[k + 1]];
         let mut used = [0, 1, 2].map(|p| if tops[p] > 0.0 { at(self.ways[k][p]) / tops[p] } else { 1.0 });
-        self.limits(k, bounds, limits);
+        let mut note = |[start, control, end]: [f64; 3], bounds: [[f64; 2]; 3]| {
+            for (used, (value, [low, high])) in used.iter_mut().zip([start, 0.25 * (start + end) + 0.5 * control, end].into_iter().zip(bounds)) {
+                *used = used.max(1.0 + (value - high).max(low - value) / scale([low, high]));
+            }
+        };
+        self.accelerations(k, bounds, own);
+        for i in 0..self.joints {
+            let value = |[a, b, c]: &[Vec<f64>; 3]| a[i] * u + b[i] * x[k] + c[i];
+            note([value(&own.rows[0]), value(&own.rows[1]), value(&own.rows[2])], [[own.bounds[0][i], own.bounds[1][i]]; 3]);
+        }
+        limits.clear();
+        self.demanded(k, limits);
         for rows in limits.as_chunks::<3>().0 {
             let value = |raw: &Raw| raw.a * u + raw.b * x[k] + raw.c + if raw.d == 0.0 { 0.0 } else { raw.d * at(raw.way).sqrt() };
-            let [start, control, end] = [value(&rows[0]), value(&rows[1]), value(&rows[2])];
-            for (used, (value, raw)) in used.iter_mut().zip([start, 0.25 * (start + end) + 0.5 * control, end].into_iter().zip(rows)) {
-                let excess = (value - raw.high).max(raw.low - value);
-                *used = used.max(1.0 + excess / scale([raw.low, raw.high]));
-            }
+            note([value(&rows[0]), value(&rows[1]), value(&rows[2])], [0, 1, 2].map(|p| [rows[p].low, rows[p].high]));
         }
         (1.0 - (used[0] + 4.0 * used[1] + used[2]) / 6.0).clamp(0.0, 1.0)
     }
@@ -241,12 +307,15 @@ impl Problem {
     /// The intervals as lines. Square roots of x are replaced by their tangents at the profile `x`, or by the chord from 0 to the ceiling.
     pub fn strips(&self, bounds: &Bounds, x: Option<&[f64]>) -> Strips {
         let mut strips = Strips::new(&self.s, self.lowered(), self.lines());
-        let mut limits = Vec::with_capacity(self.lines());
+        let (mut own, mut limits) = (Accelerations::default(), Vec::with_capacity(self.lines()));
         for k in 0..self.ways.len() {
-            self.limits(k, bounds, &mut limits);
             strips.gain[k] = self.bend[k] * self.ways[k][2] * self.ways[k][2];
+            self.accelerations(k, bounds, &mut own);
+            (0..3).for_each(|p| strips.set_columns(k, p * self.joints, own.columns(p), 0.0));
+            limits.clear();
+            self.demanded(k, &mut limits);
             for (i, raw) in limits.iter().enumerate() {
-                strips.set(k, i, if raw.d == 0.0 { raw.affine(0.0, 0.0) } else { self.tangent(k, raw, x) });
+                strips.set(k, 3 * self.joints + i, if raw.d == 0.0 { raw.affine(0.0, 0.0) } else { self.tangent(k, raw, x) });
             }
         }
         strips

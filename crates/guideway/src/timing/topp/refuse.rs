@@ -18,17 +18,17 @@ pub(super) fn explain(problem: &Problem, strips: &Strips, stuck: Stuck, (bounds,
     let interval = stuck.node.min(problem.s.len() - 2);
     let mut limits = Vec::new();
     problem.limits(interval, bounds, &mut limits);
-    let name = |line: usize| match problem.owner(line) {
+    let name = |owner: Result<usize, usize>| match owner {
         Ok(joint) => format!("acceleration of joint {}", joint + 1),
         Err(row) => names.get(row).cloned().unwrap_or_else(|| format!("row {}", row + 1)),
     };
     let reason = if let Some((line, share)) = overload(&limits) {
-        let name = name(line);
+        let name = name(problem.limit(line / 3));
         format!("{name} exceeds its limit by {:.1} % at s = {s:.6} rad even at rest (static load)", 100.0 * share)
     } else {
         let ceiling = strips.ceiling[interval].clamp(0.0, f64::MAX);
-        let [low, high] = strips.active(interval, ceiling.min(strips.floor[interval].max(0.0)));
-        format!("{} and {} leave no path acceleration at s = {s:.6} rad", name(low), name(high))
+        let [low, high] = strips.active(interval, ceiling.min(strips.floor[interval].max(0.0))).map(|line| name(problem.owner(line)));
+        format!("{low} and {high} leave no path acceleration at s = {s:.6} rad")
     };
     PlanError::Infeasible { reason, best_end_speed: None }
 }

@@ -7,7 +7,7 @@ use super::grid::Grid;
 use super::kernel::SETTLED;
 use super::limits::Bounds;
 use super::motion::{Leg, legs};
-use super::problem::{Demands, Problem};
+use super::problem::{Accelerations, Demands, Problem};
 use super::refuse;
 use super::strips::{Strips, Stuck};
 use super::windows::{Window, arrival, delay};
@@ -20,8 +20,6 @@ const MOST: [usize; 2] = [4000, 100];
 /// Rounds of refinement, of tightening, of tangents to the square root.
 const ROUNDS: usize = 7;
 const TIGHTENINGS: usize = 30;
-/// Most times that the whole motion is slowed down.
-const SLOWINGS: usize = 4;
 /// Most parts that an interval is cut into at once, and what is added to their number before it is rounded down.
 const MOST_PARTS: f64 = 6.0;
 const AHEAD: f64 = 0.7;
@@ -44,6 +42,14 @@ pub(super) struct Solved {
     pub report: Report,
 }
 
+/// A profile on which the use of all limits is known.
+struct Checked {
+    x: Vec<f64>,
+    count: usize,
+    legs: Vec<Leg>,
+    used: Vec<Use>,
+}
+
 pub(super) struct Solver<'a, 'd> {
     pub course: &'a Course,
     pub bounds: &'a Bounds,
@@ -60,7 +66,7 @@ impl Solver<'_, '_> {
             Some(count) => Grid::even(self.course, count, turns),
             None => Grid::initial(self.course, at_least(FIRST), turns),
         };
-        let mut problem = self.discretise(&grid, &mut report)?;
+        let mut problem = self.discretise(&grid, &mut report, None)?;
         let mut x = self.fastest(&problem, None)?;
         for _ in 0..if self.options.grid.is_some() { 0 } else { ROUNDS } {
             let cuts = refinement(&problem, &x, self.bounds, self.options.tolerance);
@@ -68,9 +74,10 @@ impl Solver<'_, '_> {
                 break;
             }
             problem.bend = bends(&problem.s, &x, &problem.bend);
-            grid = grid.split(self.course, &cuts);
-            let before = std::mem::replace(&mut problem, self.discretise(&grid, &mut report)?);
-            problem.bend = inherited(&before, &problem.s);
+            let finer = grid.split(self.course, &cuts);
+            let mut next = self.discretise(&finer, &mut report, Some((&problem, &grid)))?;
+            next.bend = inherited(&problem, &next.s);
+            (grid, problem) = (finer, next);
             x = self.fastest(&problem, None)?;
             report.refinements += 1;
         }
@@ -113,9 +120,9 @@ impl Solver<'_, '_> {
         Ok(windows)
     }
 
-    fn discretise(&mut self, grid: &Grid, report: &mut Report) -> Result<Problem, PlanError> {
+    fn discretise(&mut self, grid: &Grid, report: &mut Report, before: Option<(&Problem, &Grid)>) -> Result<Problem, PlanError> {
         report.points += grid.spans.len() + 1;
-        Problem::new(self.course, grid, self.bounds, self.demands)
+        Problem::new(self.course, grid, self.bounds, self.demands, before)
     }
 
     fn ends(&self) -> [f64; 2] {
@@ -148,12 +155,16 @@ impl Solver<'_, '_> {
         Ok(x)
     }
 
-    /// The use of all limits, densely.
-    fn check(&mut self, grid: &Grid, problem: &Problem, x: &[f64], count: usize) -> Result<(Vec<Leg>, Vec<Use>), PlanError> {
+    /// The use of all limits at `count` places of every interval; intervals on which the profile is that of a check `before` keep its use.
+    fn check(&mut self, grid: &Grid, problem: &Problem, x: &[f64], count: usize, before: Option<Checked>) -> Result<Checked, PlanError> {
         let legs = legs(&problem.s, x, &problem.bend);
-        let mut used = check::joints(self.course, grid, self.bounds, &legs, count);
-        check::demands(self.demands, &problem.s, &legs, count, &mut used)?;
-        Ok((legs, used))
+        let before = before.filter(|before| before.count == count);
+        let changed = |k: &usize| before.as_ref().is_none_or(|before| before.x[*k..k + 2] != x[*k..k + 2]);
+        let which: Vec<usize> = (0..legs.len()).filter(changed).collect();
+        let mut used = before.map_or_else(|| vec![Use::default(); legs.len()], |before| before.used);
+        check::joints(self.course, grid, self.bounds, (&legs, &which), count, &mut used);
+        check::demands(self.demands, &problem.s, (&legs, &which), count, &mut used)?;
+        Ok(Checked { x: x.to_vec(), count, legs, used })
     }
 
     /// Tightens the limits of intervals on which the dense check finds an excess, until there is none; at last the whole motion is slowed down by what
@@ -162,17 +173,21 @@ impl Solver<'_, '_> {
         let full = self.options.check;
         let mut places = full.min(FEW);
         let scales = self.ends() == [0.0; 2] && self.demands.rows.is_none();
-        let (mut legs, mut used) = self.check(grid, problem, x, places)?;
-        report.first_excess = excess(&used);
-        if self.options.jerk || (self.options.grid.is_some() && !self.options.tighten) {
+        if self.options.jerk {
+            let legs = legs(&problem.s, x, &problem.bend);
+            return Ok((legs, vec![Use::default(); problem.bend.len()]));
+        }
+        let mut checked = self.check(grid, problem, x, places, None)?;
+        report.first_excess = excess(&checked.used);
+        if self.options.grid.is_some() && !self.options.tighten {
             report.excess = report.first_excess;
-            return Ok((legs, used));
+            return Ok((checked.legs, checked.used));
         }
         for round in 0..TIGHTENINGS {
             if round == TIGHTENINGS / 3 {
                 places = full;
             }
-            let most = excess(&used);
+            let most = excess(&checked.used);
             if most <= CLEAN || (most <= SMALL && scales) {
                 if places == full {
                     break;
@@ -180,27 +195,30 @@ impl Solver<'_, '_> {
                 places = full;
             } else {
                 report.tightenings += 1;
-                tighter(problem, x, &used);
+                tighter(problem, x, &checked.used);
                 *x = self.fastest(problem, Some(x))?;
             }
-            (legs, used) = self.check(grid, problem, x, places)?;
+            checked = self.check(grid, problem, x, places, Some(checked))?;
         }
-        for _ in 0..if scales { SLOWINGS } else { 0 } {
-            if places == full && excess(&used) <= CLEAN {
-                break;
+        if scales {
+            if places < full {
+                checked = self.check(grid, problem, x, full, Some(checked))?;
             }
-            places = full;
-            let factor = used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
-            x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
-            report.slowed = report.slowed.max(1.0) * factor.sqrt();
-            (legs, used) = self.check(grid, problem, x, full)?;
+            let factor = checked.used.iter().map(|u| u.rows.max(u.speed)).fold(1.0, f64::max) * (1.0 + 1e-9);
+            if excess(&checked.used) > CLEAN {
+                x.iter_mut().chain(&mut problem.bend).for_each(|x| *x /= factor);
+                report.slowed = factor.sqrt();
+                // Slower as a whole: every share falls by the factor.
+                checked.used.iter_mut().for_each(|used| *used = used.slowed(factor));
+                checked.legs = legs(&problem.s, x, &problem.bend);
+            }
         }
-        report.excess = excess(&used);
+        report.excess = excess(&checked.used);
         if report.excess > 1e-6 {
             let detail = format!("a limit is exceeded by {:.1e} of its size between grid points", report.excess);
             return Err(PlanError::CertificateFailed { stage: "timing of the joints", detail });
         }
-        Ok((legs, used))
+        Ok((checked.legs, checked.used))
     }
 }
 
@@ -272,11 +290,11 @@ fn refinement(problem: &Problem, x: &[f64], bounds: &Bounds, tolerance: f64) -> 
     let total: f64 = (0..n).map(time).sum();
     // Path acceleration at the start and the end of an interval.
     let at = |k: usize, side: f64| u[k] + 0.5 * side * bend[k] * step(k);
-    let mut limits = Vec::new();
+    let (mut own, mut limits) = (Accelerations::default(), Vec::new());
     // By how much the path acceleration jumps at a node.
     let jump = |k: usize| if k == 0 || k == n { 0.0 } else { (at(k - 1, 1.0) - at(k, -1.0)).abs() };
     let unsteady = |k: usize| (JUMP * step(k) * (jump(k) + jump(k + 1)) / x[k].max(x[k + 1]).max(f64::MIN_POSITIVE)).min(1.0);
-    let losses: Vec<f64> = (0..n).map(|k| time(k) * (0.5 * problem.slack(k, bounds, x, &mut limits)).max(unsteady(k))).collect();
+    let losses: Vec<f64> = (0..n).map(|k| time(k) * (0.5 * problem.slack(k, bounds, x, (&mut own, &mut limits))).max(unsteady(k))).collect();
     let sum: f64 = losses.iter().sum();
     let mut cuts = vec![Vec::new(); n];
     if sum <= tolerance * total {

@@ -111,34 +111,35 @@ impl Strips {
 
     /// All lines of an interval at once from rows at its two ends; `end` counts at the far one.
     pub fn set_ends(&mut self, k: usize, [start, end]: [Columns; 2]) {
-        let rows = start.a.len();
-        let (far, steep) = (self.reach[k], STEEP * self.reach[k]);
-        let base = k * self.width;
+        self.rests[k] = true;
+        self.set_columns(k, 0, start, 0.0);
+        self.set_columns(k, start.a.len(), end, self.reach[k]);
+    }
+
+    /// The lines of interval `k` from `first` on, rows read after the way `far / 2`.
+    pub fn set_columns(&mut self, k: usize, first: usize, columns: Columns, far: f64) {
+        let Columns { a, b, c, bottom, top } = columns;
+        let (rows, offset, steep) = (a.len(), k * self.width + first, STEEP * self.reach[k]);
+        let slope = &mut self.slope[offset..offset + rows];
+        let low = &mut self.low[offset..offset + rows];
+        let high = &mut self.high[offset..offset + rows];
+        let (b, c, bottom, top) = (&b[..rows], &c[..rows], &bottom[..rows], &top[..rows]);
         let (mut regular, mut rests) = (true, true);
-        for (offset, columns, far) in [(base, start, 0.0), (base + rows, end, far)] {
-            let slope = &mut self.slope[offset..offset + rows];
-            let low = &mut self.low[offset..offset + rows];
-            let high = &mut self.high[offset..offset + rows];
-            let Columns { a, b, c, bottom, top } = columns;
-            let (a, b, c, bottom, top) = (&a[..rows], &b[..rows], &c[..rows], &bottom[..rows], &top[..rows]);
-            for i in 0..rows {
-                let by = a[i] + far * b[i];
-                regular &= by.abs() >= (steep * b[i].abs()).max(NOTHING);
-                let inverse = 1.0 / by;
-                let (p, q) = ((bottom[i] - c[i]) * inverse, (top[i] - c[i]) * inverse);
-                slope[i] = b[i] * inverse;
-                (low[i], high[i]) = (if p < q { p } else { q }, if p < q { q } else { p });
-                rests &= low[i] <= 0.0 && high[i] >= 0.0;
-            }
+        for i in 0..rows {
+            let by = a[i] + far * b[i];
+            regular &= by.abs() >= (steep * b[i].abs()).max(NOTHING);
+            let inverse = 1.0 / by;
+            let (p, q) = ((bottom[i] - c[i]) * inverse, (top[i] - c[i]) * inverse);
+            slope[i] = b[i] * inverse;
+            (low[i], high[i]) = (if p < q { p } else { q }, if p < q { q } else { p });
+            rests &= low[i] <= 0.0 && high[i] >= 0.0;
         }
-        self.rests[k] = rests;
-        if !regular {
-            for (i, columns, far) in [(0, start, 0.0), (rows, end, far)] {
-                for r in 0..rows {
-                    let a = columns.a[r] + far * columns.b[r];
-                    self.set(k, i + r, Limit { a, b: columns.b[r], c: columns.c[r], low: columns.bottom[r], high: columns.top[r] });
-                }
-            }
+        if regular {
+            self.rests[k] &= rests;
+            return;
+        }
+        for i in 0..rows {
+            self.set(k, first + i, Limit { a: a[i] + far * b[i], b: b[i], c: c[i], low: bottom[i], high: top[i] });
         }
     }
 

@@ -1,148 +1,115 @@
 //! The barrier method on the squared speed `y` of the reference's time: Newton steps with a pentadiagonal matrix, every iterate within all limits.
 
-/// A limit `|root^power (c . y[at..at + 3])| <= 1`, where `root` is the square root of `e . y[at..at + 3]`, and something constant inside may be added.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Row {
-    pub at: usize,
-    /// Coefficients of three neighbouring cells.
-    pub c: [f64; 3],
-    pub constant: f64,
-    /// Coefficient of the root, inside.
-    pub rooted: f64,
-    /// Weights of the cells at the place of the row.
-    pub e: [f64; 3],
-    /// Whether the whole is multiplied by the root.
-    pub times: bool,
-    /// Which limit it belongs to.
-    pub owner: usize,
-    /// Cell that is tightened with it.
-    pub cell: usize,
-}
+use super::lines::Lines;
 
-/// Largest factor between the weights of successive rounds, and Newton steps in each.
-const COOLING: f64 = 0.2;
+/// Factor between the weights of successive rounds, and most Newton steps in each.
+const COOLING: f64 = 0.1;
 const STEPS: usize = 9;
+/// What a Newton step must gain, in units of the weight of all cells, to be followed by another one: in the rounds on the way, and in the last one.
+const ROUGH: f64 = 0.3;
+const EXACT: f64 = 1e-2;
 
-/// A problem: minimise the time under rows and bounds of `y`.
+/// Share of the way to the bounds of `y` that a step may take.
+const ASIDE: f64 = 0.98;
+
+/// A problem: minimise the time under limits and bounds of `y`.
 pub(super) struct Barrier<'a> {
     /// Lengths of the cells.
     pub step: &'a [f64],
-    pub rows: &'a [Row],
+    pub lines: &'a Lines,
     /// Largest `y` of the cells.
     pub top: &'a [f64],
 }
 
-impl Row {
-    /// Value as a share of the limit, and its derivatives.
-    fn value(&self, y: &[f64]) -> (f64, [f64; 3]) {
-        let y = [y[self.at], y[self.at + 1], y[self.at + 2]];
-        let inner = self.c[0] * y[0] + self.c[1] * y[1] + self.c[2] * y[2] + self.constant;
-        if !self.times && self.rooted == 0.0 {
-            return (inner, self.c);
-        }
-        let root = (self.e[0] * y[0] + self.e[1] * y[1] + self.e[2] * y[2]).sqrt();
-        let inside = inner + self.rooted * root;
-        let slope = 0.5 / root;
-        let (value, scale, extra) =
-            if self.times { (root * inside, root, slope * (inside + self.rooted * root)) } else { (inside, 1.0, slope * self.rooted) };
-        let d = [0, 1, 2].map(|i| scale * self.c[i] + extra * self.e[i]);
-        (value, d)
-    }
-
-    /// Value as a share of the limit.
-    pub fn share(&self, y: &[f64]) -> f64 {
-        self.value(y).0
-    }
+/// Values of `y` with their time and their barrier, the derivatives of which are kept beside.
+struct Point {
+    y: Vec<f64>,
+    time: f64,
+    barrier: f64,
+    gradient: Vec<f64>,
+    matrix: Vec<[f64; 3]>,
 }
 
 impl Barrier<'_> {
     /// From a point within all limits, down to the weight `last`; returns the number of Newton steps.
     pub fn minimise(&self, y: &mut Vec<f64>, first: f64, last: f64) -> usize {
+        let n = y.len();
+        let empty = |y| Point { y, time: 0.0, barrier: 0.0, gradient: vec![0.0; n], matrix: vec![[0.0; 3]; n] };
+        let (mut here, mut next) = (empty(std::mem::take(y)), empty(vec![0.0; n]));
         let (mut weight, mut steps) = (first, 0);
+        // Rounds whose weights fall by the same factor.
+        let rounds = ((last / first).ln() / COOLING.ln()).ceil().max(1.0);
+        let cooling = (last / first).powf(1.0 / rounds);
+        self.read(&mut here);
+        let (mut matrix, mut step) = (Vec::with_capacity(n), Vec::with_capacity(n));
         loop {
             for _ in 0..STEPS {
                 steps += 1;
-                if !self.newton(y, weight, if weight > last { 1e-2 } else { 1e-4 }) {
+                let slope = self.newton(&here, weight, &mut matrix, &mut step);
+                let moved = self.search(&here, &mut next, (&step, slope), weight);
+                if moved {
+                    std::mem::swap(&mut here, &mut next);
+                }
+                // In units of the weight: what the barrier itself gives away.
+                if !moved || slope <= if weight > last { ROUGH } else { EXACT } * weight * n as f64 {
                     break;
                 }
             }
             if weight <= last {
+                *y = here.y;
                 return steps;
             }
-            weight = (weight * COOLING).max(last);
+            weight = if weight * cooling < last * 1.5 { last } else { weight * cooling };
         }
     }
 
-    /// Time and barrier; infinite beyond the limits.
-    fn merit(&self, y: &[f64], weight: f64) -> f64 {
-        let mut sum = 0.0;
-        // Logarithms of products: one call for many factors.
-        let mut product = 1.0f64;
-        let mut log = |factor: f64| {
-            product *= factor;
-            if product < 1e-200 {
-                sum += product.ln();
-                product = 1.0;
+    /// Time, barrier and the derivatives of the barrier at a point; false if it is not within the limits.
+    fn read(&self, point: &mut Point) -> bool {
+        point.gradient.fill(0.0);
+        point.matrix.fill([0.0; 3]);
+        let mut logs = Logs::default();
+        point.time = 0.0;
+        for (k, (y, (h, top))) in point.y.iter().zip(self.step.iter().zip(self.top)).enumerate() {
+            let room = top - y;
+            if !(*y > 0.0 && room > 0.0) {
+                return false;
             }
-        };
-        for (y, top) in y.iter().zip(self.top) {
-            if *y <= 0.0 || y >= top {
-                return f64::INFINITY;
-            }
-            log(1.0 - y / top);
+            let inverse = 1.0 / room;
+            (point.gradient[k], point.matrix[k][0]) = (inverse, inverse * inverse);
+            logs.factor(room / top);
+            point.time += h / y.sqrt();
         }
-        for row in self.rows {
-            let g = row.share(y);
-            let factor = 1.0 - g * g;
-            if factor.is_nan() || factor <= 0.0 {
-                return f64::INFINITY;
-            }
-            log(factor);
-        }
-        self.time(y) - weight * (sum + product.ln())
+        let inside = self.lines.read(&point.y, &mut point.gradient, &mut point.matrix, &mut logs);
+        point.barrier = -logs.sum();
+        inside
     }
 
-    /// Time of the motion.
-    pub fn time(&self, y: &[f64]) -> f64 {
-        self.step.iter().zip(y).map(|(h, y)| h / y.sqrt()).sum()
+    /// The Newton step, to be subtracted; returns its product with the gradient.
+    fn newton(&self, here: &Point, weight: f64, matrix: &mut Vec<[f64; 3]>, step: &mut Vec<f64>) -> f64 {
+        let cubes = self.step.iter().zip(&here.y).map(|(h, y)| h / (y * y.sqrt()));
+        matrix.clear();
+        step.clear();
+        for ((cube, y), (gradient, row)) in cubes.zip(&here.y).zip(here.gradient.iter().zip(&here.matrix)) {
+            step.push(weight * gradient - 0.5 * cube);
+            matrix.push([weight * row[0] + 0.75 * cube / y, weight * row[1], weight * row[2]]);
+        }
+        let gradient = step.clone();
+        solve(matrix, step);
+        step.iter().zip(&gradient).map(|(s, g)| s * g).sum()
     }
 
-    /// One damped Newton step; false when it no longer pays.
-    fn newton(&self, y: &mut Vec<f64>, weight: f64, enough: f64) -> bool {
-        let n = y.len();
-        let (mut gradient, mut matrix) = (vec![0.0; n], vec![[0.0; 3]; n]);
-        for (k, (h, y)) in self.step.iter().zip(y.iter()).enumerate() {
-            let cube = h / (y * y.sqrt());
-            gradient[k] -= 0.5 * cube;
-            matrix[k][0] += 0.75 * cube / y;
-        }
-        for k in 0..n {
-            let room = self.top[k] - y[k];
-            gradient[k] += weight / room;
-            matrix[k][0] += weight / (room * room);
-        }
-        for row in self.rows {
-            let (g, d) = row.value(y);
-            let inverse = 1.0 / (1.0 - g * g);
-            let (first, second) = (2.0 * weight * g * inverse, 2.0 * weight * (1.0 + g * g) * inverse * inverse);
-            for i in 0..3 {
-                gradient[row.at + i] += first * d[i];
-                for j in i..3 {
-                    matrix[row.at + i][j - i] += second * d[i] * d[j];
-                }
-            }
-        }
-        let step = solve(&mut matrix, &gradient);
-        let slope: f64 = step.iter().zip(&gradient).map(|(s, g)| s * g).sum();
-        let before = self.merit(y, weight);
-        let mut share = 1.0;
+    /// The first of ever shorter steps that gains enough, read into `next`.
+    fn search(&self, here: &Point, next: &mut Point, (step, slope): (&[f64], f64), weight: f64) -> bool {
+        let before = here.time + weight * here.barrier;
+        let room = |((y, top), step): ((&f64, &f64), &f64)| ASIDE * if *step > 0.0 { y / step } else { (y - top) / step };
+        let room = here.y.iter().zip(self.top).zip(step).filter(|(_, step)| **step != 0.0).map(room).fold(1.0, f64::min);
+        let mut share = self.lines.longest(&here.y, step, room);
         for _ in 0..40 {
-            let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y - share * s).collect();
-            let after = self.merit(&next, weight);
-            if after <= before - 1e-4 * share * slope {
-                *y = next;
-                // In units of the weight: what the barrier itself gives away.
-                return slope > enough * weight * n as f64;
+            for ((next, y), step) in next.y.iter_mut().zip(&here.y).zip(step) {
+                *next = y - share * step;
+            }
+            if self.read(next) && next.time + weight * next.barrier <= before - 1e-4 * share * slope {
+                return true;
             }
             share *= 0.6;
         }
@@ -150,14 +117,40 @@ impl Barrier<'_> {
     }
 }
 
-/// Solves a symmetric system of five diagonals (the upper three are given) for one right side.
-fn solve(matrix: &mut [[f64; 3]], right: &[f64]) -> Vec<f64> {
-    let n = right.len();
-    let mut x = right.to_vec();
+/// A sum of logarithms, taken of products: one call for many factors.
+pub(super) struct Logs {
+    sum: f64,
+    product: f64,
+}
+
+impl Default for Logs {
+    fn default() -> Self {
+        Self { sum: 0.0, product: 1.0 }
+    }
+}
+
+impl Logs {
+    /// Adds the logarithm of a factor of at most 1, not far below 1e-100.
+    pub fn factor(&mut self, factor: f64) {
+        self.product *= factor;
+        if self.product < 1e-200 {
+            self.sum += self.product.ln();
+            self.product = 1.0;
+        }
+    }
+
+    fn sum(&self) -> f64 {
+        self.sum + self.product.ln()
+    }
+}
+
+/// Solves a symmetric system of five diagonals (the upper three are given) for the right side in `x`.
+fn solve(matrix: &mut [[f64; 3]], x: &mut [f64]) {
+    let n = x.len();
     for k in 0..n {
         let [d, a, b] = matrix[k];
-        let d = d.max(f64::MIN_POSITIVE);
-        let (l, m) = (a / d, b / d);
+        let inverse = 1.0 / d.max(f64::MIN_POSITIVE);
+        let (l, m) = (a * inverse, b * inverse);
         if k + 1 < n {
             matrix[k + 1][0] -= l * a;
             matrix[k + 1][1] -= l * b;
@@ -167,11 +160,11 @@ fn solve(matrix: &mut [[f64; 3]], right: &[f64]) -> Vec<f64> {
             matrix[k + 2][0] -= m * b;
             x[k + 2] -= m * x[k];
         }
-        matrix[k] = [d, l, m];
+        matrix[k] = [inverse, l, m];
     }
     for k in (0..n).rev() {
-        let [d, l, m] = matrix[k];
-        let mut value = x[k] / d;
+        let [inverse, l, m] = matrix[k];
+        let mut value = x[k] * inverse;
         if k + 1 < n {
             value -= l * x[k + 1];
         }
@@ -180,7 +173,6 @@ fn solve(matrix: &mut [[f64; 3]], right: &[f64]) -> Vec<f64> {
         }
         x[k] = value;
     }
-    x
 }
 
 #[cfg(test)]
@@ -191,7 +183,8 @@ mod tests {
     fn five_diagonals() {
         let upper = [[4.0, 1.0, 0.5], [5.0, -1.0, 0.3], [6.0, 0.7, 0.1], [3.0, 0.2, 0.0], [2.0, 0.0, 0.0]];
         let right = [1.0, 2.0, 3.0, 4.0, 5.0];
-        let x = solve(&mut upper.to_vec(), &right);
+        let mut x = right.to_vec();
+        solve(&mut upper.to_vec(), &mut x);
         for i in 0..5usize {
             let entry = |j: usize| if i.abs_diff(j) > 2 { 0.0 } else { upper[i.min(j)][i.abs_diff(j)] };
             let value: f64 = (0..5).map(|j| entry(j) * x[j]).sum();

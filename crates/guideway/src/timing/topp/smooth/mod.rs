@@ -6,6 +6,7 @@
 //! slowing the stretch down as a whole, which divides the jerk by the cube of the factor.
 
 mod barrier;
+mod lines;
 mod pieces;
 mod reference;
 mod rows;
@@ -34,7 +35,7 @@ const FEWEST: usize = 40;
 const FIRST: f64 = 0.05;
 const LAST: f64 = 3e-4;
 /// First weight once the reference is a solution itself.
-const AGAIN: f64 = 3e-3;
+const AGAIN: [f64; 2] = [1e-3, 0.99];
 /// Cells of the first round.
 const COARSE: usize = 250;
 /// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`, after some below `FAIR` if no rows are called
@@ -125,14 +126,11 @@ impl Task<'_, '_> {
         let mut best: Option<Told> = None;
         let called = self.demands.rows.is_some();
         for round in 0..ROUNDS {
-            posed.limits(self.bounds, &tight, self.demands)?;
+            posed.limits(self.bounds, &tight, self.demands, round > 0 && !called)?;
             let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
-            if round > 0 && !called {
-                posed.prune();
-            }
-            let Some(mut y) = posed.start() else { break };
-            let first = if round == 0 { FIRST } else { AGAIN };
-            smooth.steps += Barrier { step: &posed.step, rows: &posed.rows, top: &posed.top }.minimise(&mut y, first * per_cell, LAST * per_cell);
+            let [first, most] = if round == 0 { [FIRST, 0.95] } else { AGAIN };
+            let Some(mut y) = posed.start(most) else { break };
+            smooth.steps += Barrier { step: &posed.step, lines: &posed.lines, top: &posed.top }.minimise(&mut y, first * per_cell, LAST * per_cell);
             let Some(pieces) = pieces::through(&posed.states(&y)) else { break };
             let told = self.told(pieces, self.check.min(FEW), &mut walker)?;
             smooth.tightenings += 1;

@@ -3,50 +3,57 @@
 //! The squared speed `y` of the reference's time is a quadratic spline with knots at the junctions of the cells; its coefficients, one per cell, are the
 //! unknowns. In the first and the last cell it is linear. Its slope changes evenly on a cell, and so, nearly, does the path jerk stay the same there.
 
-use super::barrier::Row;
+use super::lines::{Lines, Place, Row};
 use super::pieces::{Moving, Walker};
 use crate::error::PlanError;
 use crate::timing::topp::limits::Bounds;
 use crate::timing::topp::problem::{Demands, checked_ceiling, shrunk};
+use crate::timing::topp::rows::Rows;
 
 /// Most that the reference may be sped up, squared.
 const MOST: f64 = 400.0;
-/// Share of the limits up to which the start uses them.
-const USE: f64 = 0.95;
 
 /// A reference motion at the ends of a cell: arc length, path speed, acceleration, jerk.
 pub(super) type Kinetic = [f64; 4];
-
-/// First three derivatives of the joints by the time of the reference.
-type Shapes = [Vec<f64>; 3];
 
 /// A problem posed for the barrier.
 pub(super) struct Posed {
     /// Lengths of the cells, s.
     pub step: Vec<f64>,
-    pub rows: Vec<Row>,
+    pub lines: Lines,
     pub top: Vec<f64>,
-    /// The reference at the two ends of every cell, and how the joints move there.
+    /// The reference at the two ends of every cell.
     cells: Vec<[Kinetic; 2]>,
-    shapes: Vec<[Shapes; 2]>,
+    /// First three derivatives of the joints by the time of the reference, end after end.
+    shapes: Vec<f64>,
     joints: usize,
 }
 
 impl Posed {
     /// From the lengths of the cells and the reference at their ends.
     pub fn new(step: Vec<f64>, cells: Vec<[Kinetic; 2]>, walker: &mut Walker) -> Self {
-        let mut shape = |[s, v, a, j]: Kinetic| {
-            walker.go(s);
+        let joints = walker.shape.first.len();
+        let mut shapes = Vec::with_capacity(6 * joints * cells.len());
+        let mut last = f64::NAN;
+        for [s, v, a, j] in cells.iter().flatten().copied() {
+            if s != last {
+                walker.go(s);
+                last = s;
+            }
             let q = &walker.shape;
-            let each = |f: &dyn Fn(usize) -> f64| (0..q.first.len()).map(f).collect::<Vec<f64>>();
-            let first = each(&|i| q.first[i] * v);
-            let second = each(&|i| q.second[i] * v * v + q.first[i] * a);
-            let third = each(&|i| q.third[i] * v * v * v + 3.0 * q.second[i] * v * a + q.first[i] * j);
-            [first, second, third]
-        };
-        let shapes: Vec<[Shapes; 2]> = cells.iter().map(|ends| ends.map(&mut shape)).collect();
-        let joints = shapes[0][0][0].len();
-        Self { step, rows: Vec::new(), top: Vec::new(), cells, shapes, joints }
+            let (square, cube, mixed) = (v * v, v * v * v, 3.0 * v * a);
+            shapes.extend(q.first.iter().map(|first| first * v));
+            shapes.extend(q.first.iter().zip(&q.second).map(|(first, second)| second * square + first * a));
+            let third = q.first.iter().zip(&q.second).zip(&q.third);
+            shapes.extend(third.map(|((first, second), third)| third * cube + second * mixed + first * j));
+        }
+        Self { step, lines: Lines::default(), top: Vec::new(), cells, shapes, joints }
+    }
+
+    /// How the joints move at the start or the end of a cell.
+    fn shapes(&self, cell: usize, end: usize) -> [&[f64]; 3] {
+        let from = (2 * cell + end) * 3 * self.joints;
+        [0, 1, 2].map(|order| &self.shapes[from + order * self.joints..from + (order + 1) * self.joints])
     }
 
     /// Weights of two cells for y, and for half its slope, at the junction after cell `k`.
@@ -56,12 +63,41 @@ impl Posed {
         [[b * inverse, a * inverse], [-inverse, inverse]]
     }
 
-    /// All rows; the limits of cells are divided by `tight` (speed, acceleration, jerk, rows called for).
-    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 4]], demands: &mut Demands) -> Result<(), PlanError> {
+    /// The place of the junction after cell `k`.
+    fn place(&self, k: usize) -> Place {
+        let at = k.min(self.step.len() - 3);
+        let [y, w] = self.junction(k).map(|pair| wide(k - at, pair));
+        Place { at, basis: [y, w, [0.0; 3]] }
+    }
+
+    /// All limits; those of cells are divided by `tight` (speed, acceleration, jerk, rows called for). With `prune` without the rows of jerk that stay far
+    /// from their bounds when the reference is nearly the solution.
+    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 4]], demands: &mut Demands, prune: bool) -> Result<(), PlanError> {
+        self.tops(bounds, tight);
+        self.lines.clear();
+        let called = self.called(demands)?;
+        let mut rows = Vec::new();
+        for k in 0..self.step.len() - 1 {
+            let [acceleration, demanded] = [1, 3].map(|kind| tight[k][kind].max(tight[k + 1][kind]));
+            rows.clear();
+            self.accelerations(k, bounds, acceleration, &mut rows);
+            if let Some(called) = &called {
+                self.demanded(k, called, demanded, &mut rows);
+            }
+            self.lines.add(self.place(k), &rows);
+        }
+        for (j, tight) in tight.iter().enumerate() {
+            self.jerks(j, bounds, (tight[2], prune), &mut rows);
+        }
+        Ok(())
+    }
+
+    /// Largest `y` of the cells.
+    fn tops(&mut self, bounds: &Bounds, tight: &[[f64; 4]]) {
         let fastest = |rates: &[f64]| rates.iter().zip(&bounds.speed).map(|(q, v)| (q / v) * (q / v)).fold(1.0 / MOST, f64::max);
         let n = self.step.len();
         self.top = vec![MOST; n];
-        let junctions: Vec<f64> = (0..n - 1).map(|k| 1.0 / fastest(&self.shapes[k][1][0])).collect();
+        let junctions: Vec<f64> = (0..n - 1).map(|k| 1.0 / fastest(self.shapes(k, 1)[0])).collect();
         for (k, top) in junctions.iter().enumerate() {
             self.top[k] = self.top[k].min(*top);
         }
@@ -79,72 +115,71 @@ impl Posed {
         for (top, tight) in self.top.iter_mut().zip(tight) {
             *top /= tight[0] * tight[0];
         }
-        self.rows.clear();
-        for k in 0..n - 1 {
-            self.accelerations(k, bounds, tight[k][1].max(tight[k + 1][1]));
-        }
-        for (j, tight) in tight.iter().enumerate() {
-            self.jerks(j, bounds, tight[2]);
-        }
-        self.called(demands, tight)
     }
 
     /// Rows of acceleration at the junction after cell `k`.
-    fn accelerations(&mut self, k: usize, bounds: &Bounds, tight: f64) {
-        let ([y, w], at) = (self.junction(k), k.min(self.step.len() - 3));
-        let [first, second, _] = &self.shapes[k][1];
+    fn accelerations(&self, k: usize, bounds: &Bounds, tight: f64, rows: &mut Vec<Row>) {
+        let [first, second, _] = self.shapes(k, 1);
         for i in 0..self.joints {
-            let [low, high] = bounds.acceleration(i, [first[i], first[i]]).map(|v| v / tight);
+            let [low, high] = bounds.acceleration(i, [first[i], first[i]]);
             if !high.is_finite() || !low.is_finite() {
                 continue;
             }
-            let (half, centre) = (0.5 * (high - low), 0.5 * (high + low));
-            let mut row = Row { at, constant: -centre / half, owner: i, cell: k, ..Row::default() };
-            for p in 0..2 {
-                row.c[k - at + p] = (second[i] * y[p] + first[i] * w[p]) / half;
-                row.e[k - at + p] = y[p];
-            }
-            self.rows.push(row);
+            let (inverse, constant) = (2.0 * tight / (high - low), -(high + low) / (high - low));
+            rows.push(Row { plain: [second[i] * inverse, first[i] * inverse], constant, owner: i, ..Row::default() });
         }
     }
 
     /// Rows of jerk on cell `j`, at its two ends.
-    fn jerks(&mut self, j: usize, bounds: &Bounds, tight: f64) {
+    fn jerks(&mut self, j: usize, bounds: &Bounds, (tight, prune): (f64, bool), rows: &mut Vec<Row>) {
+        let places = self.ends(j);
+        rows.clear();
+        for end in 0..2 {
+            let [first, second, third] = self.shapes(j, end);
+            for i in (0..self.joints).filter(|i| bounds.jerk[*i].is_finite()) {
+                let inverse = tight / bounds.jerk[i];
+                rows.push(Row { rooted: [third[i], 3.0 * second[i], first[i]].map(|q| q * inverse), owner: self.joints + i, ..Row::default() });
+            }
+        }
+        let count = (rows.len() / 2).max(1);
+        let most = rows.iter().enumerate().map(|(i, row)| row.reach(&places[i / count])[0]).fold(0.0, f64::max);
+        for (place, rows) in places.iter().zip(rows.chunks_mut(count)) {
+            let mut kept = 0;
+            for i in 0..rows.len() {
+                // Those that are small, and would not grow much if the jerk on the cell changed by as much as the row most sensitive to it admits, are not.
+                let [size, share] = rows[i].reach(place);
+                if !prune || share + size / most > 1.0 {
+                    rows.swap(kept, i);
+                    kept += 1;
+                }
+            }
+            self.lines.add(*place, &rows[..kept]);
+        }
+    }
+
+    /// The two ends of cell `j` as places, where the slope of `w` is that of the cell.
+    fn ends(&self, j: usize) -> [Place; 2] {
         let n = self.step.len();
         let at = j.clamp(1, n - 2) - 1;
-        // Weights of y and w at the junction after cell k, within the three cells of the row.
-        let wide = |k: usize| {
-            let pair = self.junction(k);
-            pair.map(|pair| {
-                let mut c = [0.0; 3];
-                (c[k - at], c[k - at + 1]) = (pair[0], pair[1]);
-                c
-            })
-        };
+        let pair = |k: usize| self.junction(k).map(|pair| wide(k - at, pair));
         let inner = j > 0 && j + 1 < n;
         let ends = if inner {
-            [wide(j - 1), wide(j)]
+            [pair(j - 1), pair(j)]
         } else {
             // Linear in an end cell: on to its outer end.
             let k = if j == 0 { 0 } else { n - 2 };
-            let [y, w] = wide(k);
+            let [y, w] = pair(k);
             let reach = if j == 0 { -2.0 * self.step[0] } else { 2.0 * self.step[n - 1] };
             let outer = [[0, 1, 2].map(|p| y[p] + reach * w[p]), w];
             if j == 0 { [outer, [y, w]] } else { [[y, w], outer] }
         };
-        let curve = if inner { [0, 1, 2].map(|p| (ends[1][1][p] - ends[0][1][p]) / self.step[j]) } else { [0.0; 3] };
-        for (shape, [y, w]) in self.shapes[j].iter().zip(ends) {
-            let [first, second, third] = shape;
-            for i in (0..self.joints).filter(|i| bounds.jerk[*i].is_finite()) {
-                let inverse = tight / bounds.jerk[i];
-                let c = [0, 1, 2].map(|p| inverse * (first[i] * curve[p] + 3.0 * second[i] * w[p] + third[i] * y[p]));
-                self.rows.push(Row { at, c, e: y, times: true, owner: self.joints + i, cell: j, ..Row::default() });
-            }
-        }
+        let inverse = if inner { 1.0 / self.step[j] } else { 0.0 };
+        let curve = [0, 1, 2].map(|p| inverse * (ends[1][1][p] - ends[0][1][p]));
+        ends.map(|[y, w]| Place { at, basis: [y, w, curve] })
     }
 
-    /// Rows and ceilings of the demands, at the junctions.
-    fn called(&mut self, demands: &mut Demands, tight: &[[f64; 4]]) -> Result<(), PlanError> {
+    /// What the demands ask at the junctions; their ceilings lower the largest `y`.
+    fn called(&mut self, demands: &mut Demands) -> Result<Option<Rows>, PlanError> {
         let n = self.step.len();
         let s: Vec<f64> = self.cells[..n - 1].iter().map(|ends| ends[1][0]).collect();
         if let Some(ceiling) = &mut demands.ceiling {
@@ -156,40 +191,32 @@ impl Posed {
                 self.top[k + 1] = self.top[k + 1].min(top);
             }
         }
-        let Some(rows) = &mut demands.rows else { return Ok(()) };
-        let rows = rows(&s)?.checked(n - 1)?;
-        for k in 0..n - 1 {
-            let ([y, w], at, [_, v, a, _]) = (self.junction(k), k.min(n - 3), self.cells[k][1]);
-            for r in 0..rows.count {
-                let i = k * rows.count + r;
-                let bounds = shrunk([rows.low[i], rows.high[i]], tight[k][3].max(tight[k + 1][3]));
-                let [low, high] = closed(bounds, rows.c[i]);
-                let (half, centre) = (0.5 * (high - low), 0.5 * (high + low));
-                let (slope, level) = (rows.a[i] * v, rows.a[i] * a + rows.b[i] * v * v);
-                let mut row = Row { at, constant: (rows.c[i] - centre) / half, owner: 2 * self.joints + r, cell: k, ..Row::default() };
-                for p in 0..2 {
-                    row.c[k - at + p] = (level * y[p] + slope * w[p]) / half;
-                    row.e[k - at + p] = y[p];
-                }
-                row.rooted = rows.d.get(i).map_or(0.0, |d| d * v / half);
-                self.rows.push(row);
-            }
+        demands.rows.as_mut().map(|rows| rows(&s)?.checked(n - 1)).transpose()
+    }
+
+    /// Rows of the demands at the junction after cell `k`.
+    fn demanded(&self, k: usize, called: &Rows, tight: f64, out: &mut Vec<Row>) {
+        let [_, v, a, _] = self.cells[k][1];
+        for r in 0..called.count {
+            let i = k * called.count + r;
+            let [low, high] = closed(shrunk([called.low[i], called.high[i]], tight), called.c[i]);
+            let (inverse, centre) = (2.0 / (high - low), 0.5 * (high + low));
+            out.push(Row {
+                root: called.d.get(i).map_or(0.0, |d| d * v * inverse),
+                plain: [(called.a[i] * a + called.b[i] * v * v) * inverse, called.a[i] * v * inverse],
+                constant: (called.c[i] - centre) * inverse,
+                owner: 2 * self.joints + r,
+                ..Row::default()
+            });
         }
-        Ok(())
     }
 
     /// A constant speed of the reference within all limits.
-    pub fn start(&self) -> Option<Vec<f64>> {
+    pub fn start(&self, most: f64) -> Option<Vec<f64>> {
         let lowest = self.top.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut y = 1.0f64.min(USE * lowest);
-        for _ in 0..300 {
-            let all = vec![y; self.top.len()];
-            if self.rows.iter().all(|row| row.share(&all).abs() < USE.max(0.5 + 0.5 * row.constant.abs()).min(1.0)) {
-                return Some(all);
-            }
-            y *= 0.9;
-        }
-        None
+        let first = 1.0f64.min(most * lowest);
+        let y = std::iter::successors(Some(first), |y| Some(most * y)).take(300).find(|y| self.lines.admits(*y, most))?;
+        Some(vec![y; self.top.len()])
     }
 
     /// Arc length, speed, acceleration at the start, the junctions, the end.
@@ -205,25 +232,22 @@ impl Posed {
         states
     }
 
-    /// Leaves out the rows of jerk that stay far from their bounds when the reference is nearly the solution: those that are small, and that would not grow
-    /// much if the jerk on their cell changed by as much as the row most sensitive to it admits.
-    pub fn prune(&mut self) {
-        let ones = vec![1.0; self.step.len()];
-        let size = |row: &Row| row.c.iter().map(|c| c.abs()).sum::<f64>();
-        let mut most = vec![0.0f64; self.step.len()];
-        for row in self.rows.iter().filter(|row| row.times) {
-            most[row.cell] = most[row.cell].max(size(row));
-        }
-        self.rows.retain(|row| !row.times || row.share(&ones).abs() + size(row) / most[row.cell] > 1.0);
-    }
-
     /// Adds what a relative change of each limit of jerk is worth, s.
     pub fn sensitivities(&self, y: &[f64], weight: f64, prices: &mut [f64]) {
-        for row in self.rows.iter().filter(|row| row.owner / self.joints == 1) {
-            let g = row.share(y);
-            prices[row.owner - self.joints] += 2.0 * weight * g * g / (1.0 - g * g).max(1e-9);
-        }
+        let jerks = self.joints..2 * self.joints;
+        self.lines.shares(y, |owner, g| {
+            if jerks.contains(&owner) {
+                prices[owner - self.joints] += 2.0 * weight * g * g / (1.0 - g * g).max(1e-9);
+            }
+        });
     }
+}
+
+/// Weights of two neighbouring cells as those of three.
+fn wide(first: usize, pair: [f64; 2]) -> [f64; 3] {
+    let mut weights = [0.0; 3];
+    (weights[first], weights[first + 1]) = (pair[0], pair[1]);
+    weights
 }
 
 /// Bounds on both sides: a missing one far away.

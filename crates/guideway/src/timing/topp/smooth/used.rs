@@ -52,55 +52,79 @@ impl Used {
 /// Use of the limits of speed, acceleration and jerk on every pair of pieces, at `count` places of each piece.
 pub(super) fn joints(walker: &mut Walker, pieces: &[Piece], bounds: &Bounds, count: usize) -> Vec<Used> {
     let mut used = vec![Used::default(); pieces.len() / 2];
-    let joints = walker.joints();
-    let from = pieces.first().map_or(0.0, |piece| if let Piece::Along { s, .. } = piece { *s } else { 0.0 });
-    let mut joints = &joints[joints.partition_point(|joint| joint.0 <= from)..];
+    let mut gauge = Gauge::new(bounds);
+    let mut met = 0;
     for (k, piece) in pieces.iter().enumerate() {
         let Piece::Along { s, speed, acceleration, jerk, duration, .. } = *piece else { continue };
         let (start, used) = ((s, speed, acceleration), &mut used[k / 2]);
         let mut past = [[0.0; 3]; 2];
+        let share = 1.0 / count as f64;
         for j in 0..=count {
-            let (s, v, a) = advance(start, jerk, duration * j as f64 / count as f64);
-            walker.go(s);
-            let (now, owner) = gauge(&walker.shape, bounds, [v, a, jerk]);
+            let (s, v, a) = advance(start, jerk, duration * share * j as f64);
+            let factors = walker.drive(s, [v, a, jerk]);
+            let now = gauge.read(&walker.shape, factors);
             for i in 0..3 {
                 let bulge = if j >= 2 { (2.0 * past[1][i] - past[0][i] - now[i]).max(0.0) / 8.0 } else { 0.0 };
-                used.note(i, now[i].max(past[1][i]) + bulge, owner[i]);
+                let most = now[i].max(past[1][i]) + bulge;
+                if most > used.share[i] {
+                    used.note(i, most, gauge.owner(i));
+                }
             }
             past = [past[1], now];
         }
         // Where polynomial pieces meet, the third derivative jumps: both sides count.
         let end = advance(start, jerk, duration).0;
-        while joints.first().is_some_and(|joint| joint.0 <= end) {
-            let (at, sides) = joints[0];
-            joints = &joints[1..];
+        while let Some((at, sides)) = walker.joints.get(met).copied().filter(|joint| joint.0 <= end) {
+            met += 1;
             let (_, v, a) = advance(start, jerk, reached(start, jerk, duration, at));
             for (piece, t) in sides {
                 walker.course.full_shape(piece, t, &mut walker.shape);
-                let (now, owner) = gauge(&walker.shape, bounds, [v, a, jerk]);
-                (0..3).for_each(|i| used.note(i, now[i], owner[i]));
+                let now = gauge.read(&walker.shape, [v, a, jerk]);
+                (0..3).for_each(|i| used.note(i, now[i], gauge.owner(i)));
             }
         }
     }
     used
 }
 
-/// Use of the limits of speed, acceleration and jerk where the path moves with a speed, an acceleration and a jerk, and the joints that use most.
-fn gauge(shape: &Shape, bounds: &Bounds, [v, a, jerk]: [f64; 3]) -> ([f64; 3], [usize; 3]) {
-    let (mut now, mut owner) = ([0.0f64; 3], [0; 3]);
-    for i in 0..shape.first.len() {
-        let (one, two, three) = (shape.first[i], shape.second[i], shape.third[i]);
-        let rate = one * v;
-        let second = one * a + two * v * v;
-        let bound = if rate * second >= 0.0 { bounds.acceleration[i] } else { bounds.deceleration[i] };
-        let third = one * jerk + v * (3.0 * two * a + three * v * v);
-        for (kind, share) in [rate.abs() / bounds.speed[i], second.abs() / bound, third.abs() / bounds.jerk[i]].into_iter().enumerate() {
-            if share > now[kind] {
-                (now[kind], owner[kind]) = (share, i);
-            }
-        }
+/// Use of the limits of every joint at one place.
+struct Gauge {
+    /// One over the speed, the acceleration, the jerk, the deceleration of each joint.
+    inverse: [Vec<f64>; 4],
+    /// Of speed, acceleration and jerk, joint by joint.
+    shares: [Vec<f64>; 3],
+}
+
+impl Gauge {
+    fn new(bounds: &Bounds) -> Self {
+        let inverse = |v: &[f64]| v.iter().map(|v| 1.0 / v).collect::<Vec<f64>>();
+        let Bounds { speed, acceleration, deceleration, jerk } = bounds;
+        let zeros = || vec![0.0; speed.len()];
+        Self { inverse: [speed, acceleration, jerk, deceleration].map(|v| inverse(v)), shares: [zeros(), zeros(), zeros()] }
     }
-    (now, owner)
+
+    /// The largest use of speed, acceleration and jerk of joints with the derivatives of `shape` where what they depend on has those of `moved` by time.
+    fn read(&mut self, shape: &Shape, [once, twice, thrice]: [f64; 3]) -> [f64; 3] {
+        let [speed, acceleration, jerk, deceleration] = &self.inverse;
+        let [speeds, accelerations, jerks] = &mut self.shares;
+        let joints = speeds.len();
+        let (one, two, three) = (&shape.first[..joints], &shape.second[..joints], &shape.third[..joints]);
+        let (square, cube, mixed) = (once * once, once * once * once, 3.0 * once * twice);
+        for i in 0..joints {
+            let rate = one[i] * once;
+            let second = two[i] * square + one[i] * twice;
+            let inverse = if rate * second >= 0.0 { acceleration[i] } else { deceleration[i] };
+            speeds[i] = rate.abs() * speed[i];
+            accelerations[i] = second.abs() * inverse;
+            jerks[i] = (three[i] * cube + two[i] * mixed + one[i] * thrice).abs() * jerk[i];
+        }
+        [0, 1, 2].map(|kind| self.shares[kind].iter().fold(0.0, |most, share| if *share > most { *share } else { most }))
+    }
+
+    /// The joint that uses most of a kind of limit.
+    fn owner(&self, kind: usize) -> usize {
+        (0..self.shares[kind].len()).max_by(|i, j| self.shares[kind][*i].total_cmp(&self.shares[kind][*j])).unwrap_or(0)
+    }
 }
 
 /// When a piece reaches an arc length.

@@ -127,7 +127,33 @@ def test_help(capsys):
     assert "--urscript" in out
 
 
+def test_windows_and_speeds_at_the_ends(tmp_path, capsys):
+    words = ["--window", "1.0,0.9,1.2", "--window", "3,2.0", "--no-collisions", "--out", "traj.json"]
+    code, out, err = run(capsys, *STAR, *words)
+    assert code == 0, err
+    assert "window       s = 1 rad is passed at 0.9000 s" in out
+    record = json.loads((tmp_path / "traj.json").read_text())
+    jsonschema.validate(record, schemas.load("arm"))
+    motion = gw.arm.load_motion(record)
+    assert 0.9 - 1e-4 <= motion.time_at(1.0) <= 1.2
+    assert motion.time_at(3.0) >= 2.0 - 1e-4
+    code, out, err = run(capsys, *STAR, "--start-speed", "0.5", "--end-speed", "0.3", "--no-collisions", "--out", "traj.json")
+    assert code == 0, err
+    motion = gw.arm.load_motion(json.loads((tmp_path / "traj.json").read_text()))
+    assert motion.along([0.0])[0, 1] == pytest.approx(0.5)
+    assert motion.along([motion.duration])[0, 1] == pytest.approx(0.3)
+
+
 BAD = [
+    ([*STAR, "--window", "1,0.1,0.2"], 3, "cannot be reached before"),
+    ([*STAR, "--window", "9,1"], 2, "beyond the end of the path"),
+    ([*STAR, "--window", "1"], 2, "S,EARLIEST"),
+    ([*STAR, "--window", "1,2,1"], 2, "LATEST not before EARLIEST"),
+    ([*STAR, "--window", "1,1", "--override", "0.5"], 2, "windows would be missed"),
+    ([*STAR, "--window", "1,0.9", "--limits", "smooth.toml"], 2, "the end of the path"),
+    ([*STAR, "--start-speed", "nan"], 2, "--start-speed"),
+    ([*STAR, "--start-speed", "50"], 3, "the path speed at the start can be at most"),
+    ([*STAR, "--end-speed", "0.1", "--urscript", "a.script"], 2, "from rest to rest"),
     (["arm", "fly"], 2, "fly"),
     (["arm", "time", "way.csv"], 2, "--urdf FILE and --robot NAME"),
     (["arm", "time", "--robot", "ur5e"], 2, "PATH.csv and --nurbs"),
@@ -169,6 +195,7 @@ def test_bad_input_is_one_paragraph(tmp_path, capsys, words, status, named):
     (tmp_path / "corner.toml").write_text(TOOL.replace("degree = 2", "degree = 1"))
     (tmp_path / "abb.csv").write_text("joint_1,joint_2,joint_3,joint_4,joint_5,joint_6\n0,0,0,0,0.5,0\n0.5,0,0.1,0,0.7,0\n")
     (tmp_path / "torque.toml").write_text("torque = 5000.0\nacceleration = 5.0\n")
+    (tmp_path / "smooth.toml").write_text("jerk = 100.0\n")
     (tmp_path / "weak.toml").write_text("torque = 1.0\n")
     code, out, err = run(capsys, *words)
     assert code == status, err

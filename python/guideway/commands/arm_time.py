@@ -12,6 +12,9 @@ from guideway.errors import BadParameter, CertificateFailed
 if TYPE_CHECKING:
     from guideway.arm import Arm, ArmMotion, JointLimits, JointPath, Nurbs
 
+IN_TIME = 1e-4
+"""By how much a window may be missed because of rounding, s: near rest a place is passed slowly."""
+
 EXAMPLES = """examples:
   guideway arm time --nurbs star --robot ur5e --out traj.json
   guideway arm time --nurbs seam.toml --urdf robot.urdf --limits limits.toml --torque --payload 5 --urscript seam.script
@@ -36,6 +39,15 @@ def declare(parser: argparse.ArgumentParser) -> None:
     shape.add_argument("--grid", type=int, metavar="N", help="a fixed number of points (default: chosen by error)")
     shape.add_argument("--override", type=float, metavar="F", help="the motion slowed down to F of its speed, above 0, at most 1")
     shape.add_argument("--branches", action="store_true", help="time a tool path in every branch of the inverse kinematics, and take the fastest")
+    shape.add_argument(
+        "--window",
+        metavar="S,EARLIEST[,LATEST]",
+        action="append",
+        default=[],
+        help="when the place S (rad of joint arc length) may be passed, s; may be repeated; with limits of jerk only the end of the path",
+    )
+    for end, where in (("start", "at the start of the path"), ("end", "at its end")):
+        shape.add_argument(f"--{end}-speed", type=float, default=0.0, metavar="V", help=f"speed along the path {where}, rad/s (default 0)")
     arm_files.add_safety(parser)
     arm_files.add_output(parser)
     parser.set_defaults(handler=handle)
@@ -90,6 +102,15 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.branches and arguments.nurbs is None:
         raise BadParameter("--branches goes with --nurbs: way points of joints have one branch")
     options.positive("--rate", arguments.rate)
+    for name in ("start_speed", "end_speed"):
+        value = getattr(arguments, name)
+        if not 0 <= value < 1e6:
+            raise BadParameter(f"--{name.replace('_', '-')} {value:g} is out of range: a number from 0")
+        if value and arguments.urscript:
+            raise BadParameter(f"--urscript is for motions from rest to rest: leave --{name.replace('_', '-')} out, or write --csv or --ros")
+    arguments.window = [_window(text) for text in arguments.window]
+    if arguments.window and arguments.override is not None:
+        raise BadParameter("--override slows the whole motion down, so windows would be missed: leave out --override or --window")
     for name in ("payload", "clearance"):
         value = getattr(arguments, name)
         if value is not None and not 0 <= value < 1e6:
@@ -98,6 +119,14 @@ def _check(arguments: argparse.Namespace) -> None:
         raise BadParameter(f"--grid {arguments.grid} is out of range: from 2 to 1000000 points")
     if arguments.override is not None and not 0 < arguments.override <= 1:
         raise BadParameter(f"--override {arguments.override:g} is out of range: above 0 and at most 1")
+
+
+def _window(text: str) -> tuple[float, ...]:
+    """A place and when it may be passed."""
+    found = options.numbers("--window", text, (2, 3), "S,EARLIEST or S,EARLIEST,LATEST")
+    if min(found) < 0 or (len(found) == 3 and found[2] < found[1]):
+        raise BadParameter(f"--window {text!r} is out of range: numbers from 0, LATEST not before EARLIEST")
+    return found
 
 
 def _timed(arguments: argparse.Namespace) -> ArmMotion:
@@ -120,6 +149,9 @@ def _timed(arguments: argparse.Namespace) -> ArmMotion:
         motion = motion.override(arguments.override)
     around = None if arguments.no_collisions else arms.Surroundings(arm, scene)
     certificate = motion.certify(collisions=around is not None, surroundings=around, clearance=arguments.clearance)
+    for window in arguments.window:
+        certificate["checks"].append(_passed(motion, window))
+        certificate["ok"] = certificate["ok"] and certificate["checks"][-1]["ok"]
     motion.report["certificate"] = certificate
     if not certificate["ok"]:
         raise CertificateFailed(arm_files.failure(motion, certificate))
@@ -136,7 +168,20 @@ def nurbs_of(text: str) -> Nurbs:
 def _time(arguments: argparse.Namespace, arm: Arm, path: JointPath, limits: JointLimits) -> ArmMotion:
     from guideway import arm as arms
 
-    return arms.time(path, limits, arm, method=arguments.method, torque=True if arguments.torque else None, grid=arguments.grid, check=False)
+    for window in arguments.window:
+        if window[0] > path.path.length * (1 + 1e-4):
+            raise BadParameter(f"--window: the place {window[0]:g} rad is beyond the end of the path, {path.path.length:.6g} rad")
+    words: dict[str, Any] = {"method": arguments.method, "torque": True if arguments.torque else None, "grid": arguments.grid, "check": False}
+    words |= {"start_speed": arguments.start_speed, "end_speed": arguments.end_speed}
+    return arms.time(path, limits, arm, windows=[(min(s, path.path.length), *when) for s, *when in arguments.window], **words)
+
+
+def _passed(motion: ArmMotion, window: tuple[float, ...]) -> dict[str, Any]:
+    """Is a place passed in time? ``gap``: by how much it is not, s."""
+    at, earliest, *latest = window
+    t = motion.duration if at >= motion.path.path.length * (1 - 1e-9) else motion.time_at(at)
+    gap = max(earliest - t, t - latest[0] if latest else 0.0, 0.0)
+    return {"name": f"window at s = {at:g} rad", "limit": "window", "ok": gap <= IN_TIME, "gap": gap, "t": t, "s": at}
 
 
 def _fastest(arguments: argparse.Namespace, arm: Arm, nurbs: Nurbs, limits: JointLimits) -> JointPath:
@@ -186,6 +231,8 @@ def summary(record: dict[str, Any]) -> str:
         count = Counter(_named(name, record["joints"]) for name in record["grid"]["active"] if name)
         share = ", ".join(f"{name} {100 * n / len(record['grid']['active']):.0f} %" for name, n in count.most_common(4))
         lines.append(f"held by      {share}")
+    for check in (check for check in certificate["checks"] if check["limit"] == "window"):
+        lines.append(f"window       s = {check['s']:g} rad is passed at {check['t']:.4f} s")
     margin = next((check["margin"] for check in certificate["checks"] if check["limit"] == "range"), None)
     lines.append(f"safety       joint ranges kept by {margin:.3f} rad" if margin is not None else "safety       joints without ranges")
     if certificate["collision"] is not None:

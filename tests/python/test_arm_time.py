@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("pinocchio")
 
 import guideway as gw
+from guideway.arm.measures import measures
 from guideway.arm.paths import arm_for
 
 KINEMATIC = {5: 2.7007, 10: 1.9097, 20: 1.3554}
@@ -190,3 +191,18 @@ def test_windows_say_when_places_are_passed(star_path):
     assert 3.0 - 1e-3 <= passed <= 3.01
     assert late.report["certificate"]["ok"]
     assert late.duration > free.duration
+
+
+def test_measures_of_a_motion_are_those_of_its_torques():
+    arm = gw.arm.robot("ur5e", friction={"coulomb": (7, 7, 7, 2, 2, 2)})
+    limits = {"speed": 1.0, "acceleration": 4.0, "torque": gw.arm.STAR_TORQUE}
+    motion = gw.arm.time(np.array([[0.0, -1.2, 1.0, 0.0, 0.5, 0.0], [0.4, -0.9, 1.3, 0.3, 0.2, 0.1]]), limits, arm)
+    found = measures(motion)
+    t = np.linspace(0.0, motion.duration, 20001)
+    sample = motion.sample(times=t)
+    tau = motion.torques(sample)
+    assert found["energy"] == pytest.approx(np.trapezoid(np.maximum(tau * sample["qd"], 0).sum(1), t), rel=2e-3)
+    assert found["copper"] == pytest.approx(np.trapezoid(((tau / np.array(gw.arm.STAR_TORQUE)) ** 2).sum(1), t), rel=2e-3)
+    assert found["energy"] > 7 * 0.4  # friction of the first joint alone: no weight helps it
+    smooth = gw.arm.time(motion.path, {**limits, "jerk": 20.0}, arm)
+    assert measures(smooth)["jerk_peak"] <= 20.0 * (1 + 1e-6) < found["jerk_peak"]

@@ -9,6 +9,7 @@ import numpy as np
 
 from guideway import _core
 from guideway.arm.limits import JointLimits
+from guideway.arm.measures import measures
 from guideway.arm.motion import RATE, ArmMotion, pieces_of
 from guideway.arm.paths import JointPath
 from guideway.arm.skeleton import chain
@@ -60,6 +61,7 @@ def record(motion: ArmMotion, rate: float = RATE) -> dict[str, Any]:
     found["pieces"] = [dict(zip(PIECE, row, strict=True)) for row in motion.pieces.tolist()]
     found["grid"] = {"s": [], "x": [], "mvc": [], "active": [], **motion.grid}
     found["report"] = {**{key: value for key, value in motion.report.items() if key != "certificate"}, "path": motion.path.report}
+    found["report"]["measures"] = measures(motion)
     found["certificate"] = motion.report.get("certificate")
     return plain(found)
 

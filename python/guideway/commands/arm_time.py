@@ -223,6 +223,9 @@ def summary(record: dict[str, Any]) -> str:
     lines.append(f"path         {record['path']['length']:.4f} rad{detail}")
     lines.append("limits       " + "; ".join(f"{name} {_numbers(value)}" for name, value in record["limits"].items()))
     lines.append(f"duration     {record['duration']:.4f} s ({record['report']['method']})")
+    measured = record["report"].get("measures") or {}
+    if "energy" in measured:
+        lines.append(f"energy       {measured['energy']:.1f} J; windings heated as by {measured['copper']:.3f} s of one joint at its limit")
     if prices := _prices(record):
         lines.append("price        " + ", ".join(f"{name} {value:+.4f} s" for name, value in prices[:6]))
     used = ", ".join(f"{check['name']} {100 * check['ratio']:.2f} %" for check in certificate["checks"] if "ratio" in check)

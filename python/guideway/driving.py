@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from guideway import _core, jobs, plants
-from guideway.errors import BadParameter, Infeasible
+from guideway.errors import BadFile, BadParameter, Infeasible
 from guideway.records import Limits
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 TURN_RATE, TURN_ACCELERATION = 1.0, 2.0
 """What a unicycle without limits of its own can do, rad/s and rad/s2."""
+
+SAME = 1e-6
+"""Durations of a plan may differ by so much from the sum of their pieces, s."""
 
 
 @dataclass
@@ -220,6 +224,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "replans": raw["replans"],
         "min_separation": min(known) if known else None,
         "separation": raw["min_separation"],
+        "forbidden": raw["forbidden"],
         "emergency_stops": raw["emergency_stops"],
         "step_seconds": raw["step_seconds"],
         "plan_seconds": raw["plan_seconds"],
@@ -232,11 +237,8 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
 
 
 def unseen(world: _core.World) -> _core.World:
-    """What a robot without a map knows of a world before it has seen anything: its bounds."""
-    occupied = world.occupancy()
-    if occupied is not None:
-        return _core.World(occupied * 0, world.resolution, world.origin)
-    return _core.World(bounds=world.bounds, resolution=world.resolution)
+    """What a robot without a map knows of a world before it has seen anything: its bounds, and what is forbidden."""
+    return world.emptied()
 
 
 def mover_states(mover: dict[str, Any]) -> dict[str, Any]:
@@ -274,4 +276,19 @@ def from_plan(plan: dict[str, Any], world: _core.World) -> tuple[_core.Query, _c
     if not timed["pieces"]:
         raise BadParameter("the plan holds no motion: its start is its goal, so there is nothing to drive")
     limits = Limits(**timed["limits"])
+    whole = math.fsum(piece["duration"] for piece in timed["pieces"])
+    if not abs(whole - timed["duration"]) <= SAME:
+        raise BadParameter(f"its pieces take {whole:.3f} s and its trajectory says {timed['duration']} s")
     return query, _core.Trajectory(path, limits, timed["pieces"]), limits
+
+
+def check(drive: Drive, where: str) -> None:
+    """Certifies the motion of a drive that was read from the file ``where`` anew, for its world, from its start to its goal.
+
+    Raises :class:`BadFile` if it does not hold: the file was changed, or is another one than its query says.
+    """
+    certificate = _core.certify(drive.trajectory.path, drive.query, drive.trajectory)
+    failed = [check["name"] for check in certificate["checks"] if not check["ok"]]
+    if failed:
+        what = f"its motion fails its certificate ({', '.join(failed)})"
+        raise BadFile(where, what, "a plan.json as guideway plan writes it, unchanged", "Plan again")

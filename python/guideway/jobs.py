@@ -47,6 +47,8 @@ class Job:
     threads: int = 1
     exact_fallback: bool = False
     pareto: bool = False
+    drive: dict[str, Any] = field(default_factory=dict)
+    """What a scene says of the drive: ``arrival`` (m), ``time_limit`` (s), ``stop``, ``mover_speed`` (m/s), ``lidar``."""
     observe: Observer | None = None
 
     def speed_map(self) -> _core.SpeedMap | None:
@@ -170,6 +172,8 @@ def finish(job: Job, query: _core.Query, solution: _core.Solution, folder: str |
     }
     if job.speed_mask is not None:
         record["speed_mask"] = mask_record(job.speed_mask, folder)
+    if job.drive:
+        record["drive"] = job.drive
     if refined.candidates:
         record["candidates"] = refined.candidates
     if (trace := trace_record(solution.trace)) is not None:
@@ -278,7 +282,7 @@ def reference_record(query: _core.Query, solution: _core.Solution, quick: bool, 
 
 def trajectory_record(trajectory: _core.Trajectory, limits: Limits) -> dict[str, Any]:
     """The ``trajectory`` of a record."""
-    kept = ("speed", "acceleration", "deceleration", "jerk", "turn_rate", "lateral_acceleration")
+    kept = ("speed", "acceleration", "deceleration", "jerk", "turn_rate", "turn_acceleration", "lateral_acceleration")
     nominal = limits.to_dict()
     return {"duration": trajectory.duration, "limits": {name: nominal[name] for name in kept}, "pieces": trajectory.pieces}
 

@@ -1,4 +1,4 @@
-"""Site rules: a world without what a mask forbids, and the speeds that a mask allows.
+"""Site rules: a world with what a mask forbids, and the speeds that a mask allows.
 
 The masks are read as Nav2's costmap filters read them (https://docs.nav2.org, keepout filter and speed filter). A keep-out mask forbids where its
 value is 100. A speed mask allows ``base + multiplier * value`` percent of the top speed where its value is above 0; Nav2's own files have base 100
@@ -45,7 +45,7 @@ def speed_map(path: str | os.PathLike[str], speed: float, *, base: float = 100.0
 
 
 def with_keep_out(world: World, mask: str | os.PathLike[str] | NDArray[np.bool_]) -> World:
-    """``world`` without what a mask forbids; see ``World.with_keep_out``."""
+    """``world`` with what a mask forbids; see ``World.with_keep_out``."""
     import numpy as np
 
     if isinstance(mask, (str, os.PathLike)):
@@ -56,13 +56,11 @@ def with_keep_out(world: World, mask: str | os.PathLike[str] | NDArray[np.bool_]
         forbidden, resolution, origin = np.asarray(mask, bool), world.resolution, (x, y, yaw)
         if forbidden.shape != (world.height, world.width):
             raise BadParameter(f"keep-out mask of shape {forbidden.shape}: an array must have that of the map, ({world.height}, {world.width})")
-    corners = _corners(forbidden, resolution, origin)
-    known = world.occupancy()
-    if known is None:
-        return _with_polygons(world, forbidden, resolution, origin)
-    blocked = known != 0
-    _block(blocked, corners, world)
-    return _core_world(world, blocked=blocked, unknown=(known == 2) if (known == 2).any() else None)
+    if world.occupancy() is None:
+        return world.forbidding(shapes=_polygons(_clipped(forbidden, resolution, origin, world), resolution, origin))
+    cells = np.zeros((world.height, world.width), bool)
+    _block(cells, _corners(forbidden, resolution, origin), world)
+    return world.forbidding(cells)
 
 
 def _corners(forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]) -> NDArray[np.float64]:
@@ -107,36 +105,41 @@ def _block(blocked: NDArray[np.bool_], corners: NDArray[np.float64], world: Worl
             blocked[height - 1 - py[inside], px[inside]] = True
 
 
-def _with_polygons(world: World, forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]) -> World:
-    """A world of shapes with a rectangle for each run of forbidden cells; equal runs in rows after each other are one."""
+def _clipped(forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float], world: World) -> NDArray[np.bool_]:
+    """The forbidden cells that reach into the bounds of a world; as with a map, what is beyond does not count."""
+    import numpy as np
+
+    x0, y0, x1, y1 = world.bounds
+    rows, columns = np.nonzero(forbidden)
+    corners = _corners(forbidden, resolution, origin)
+    near = (corners.min(axis=1) < (x1, y1)).all(axis=1) & (corners.max(axis=1) > (x0, y0)).all(axis=1)
+    kept = np.zeros_like(forbidden)
+    kept[rows[near], columns[near]] = True
+    return kept
+
+
+def _polygons(forbidden: NDArray[np.bool_], resolution: float, origin: tuple[float, float, float]) -> list[dict[str, Any]]:
+    """Rectangles that cover the forbidden cells and nothing else."""
     import numpy as np
 
     height = forbidden.shape[0]
-    open_runs: dict[tuple[int, int], int] = {}
-    boxes: list[tuple[int, int, int, int]] = []
-    for row in range(height + 1):
-        line = forbidden[row] if row < height else np.zeros(forbidden.shape[1], bool)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(np.int8)))
-        runs = {(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)}
-        for run in [run for run in open_runs if run not in runs]:
-            boxes.append((run[0], height - row, run[1], height - open_runs.pop(run)))
-        for run in runs:
-            open_runs.setdefault(run, row)
-    rectangles = [np.array([[a, low], [b, low], [b, high], [a, high]], float) for a, low, b, high in boxes]
-    shapes = [{"polygon": {"points": _to_map(box, resolution, origin).tolist()}} for box in rectangles]
-    return _core_world(world, bounds=world.bounds, more=shapes)
+    across, down = _rectangles(forbidden), _rectangles(forbidden.T)
+    boxes = across if len(across) <= len(down) else [(left, top, right, bottom) for top, left, bottom, right in down]
+    corners = [np.array([[a, height - d], [b, height - d], [b, height - c], [a, height - c]], float) for a, c, b, d in boxes]
+    return [{"polygon": {"points": _to_map(box, resolution, origin).tolist()}} for box in corners]
 
 
-def _core_world(world: World, more: list[dict[str, Any]] | None = None, **kind: Any) -> World:
-    """A world like another in all but its map or its shapes."""
-    origin = {} if "bounds" in kind else {"origin": world.origin}
-    return World(
-        **kind,
-        **origin,
-        resolution=world.resolution,
-        shapes=[*world.shapes, *(more or [])],
-        movers=world.movers,
-        source=world.source,
-        sha256=world.sha256,
-        files=world.files,
-    )
+def _rectangles(cells: NDArray[np.bool_]) -> list[tuple[int, int, int, int]]:
+    """Rectangles (left, top, right, bottom; they may overlap): from each cell not covered yet as far right, and then as far down, as it goes."""
+    import numpy as np
+
+    left_over, found = cells.copy(), []
+    for top in range(cells.shape[0]):
+        while (free := np.flatnonzero(left_over[top])).size:
+            left = int(free[0])
+            right = left + int(np.append(np.flatnonzero(~cells[top, left:]), cells.shape[1] - left)[0])
+            full = cells[top:, left:right].all(axis=1)
+            bottom = top + int(np.append(np.flatnonzero(~full), full.size)[0])
+            left_over[top:bottom, left:right] = False
+            found.append((left, top, right, bottom))
+    return found

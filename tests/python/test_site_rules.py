@@ -236,3 +236,72 @@ def test_a_motion_of_aide_is_timed_anew_under_a_speed_mask(tmp_path, capsys, mon
             mx, my = position(mover, t)
             half = [0.5 * side for side in mover["shape"]["box"]]
             assert math.hypot(max(abs(x - mx) - half[0], 0), max(abs(y - my) - half[1], 0)) > 0.3 - 1e-6
+
+
+def test_what_is_forbidden_is_no_wall(tmp_path):
+    walls = np.zeros((40, 60), bool)
+    walls[0] = True
+    band = np.zeros_like(walls)
+    band[10:, 28:32] = True
+    kept = gw.World(walls, 0.1).with_keep_out(band)
+    assert kept.clearance([(3.0, 1.0)])[0] < 0 < kept.solid.clearance([(3.0, 1.0)])[0]
+    assert (kept.solid.occupancy() == walls).all()
+    assert (kept.emptied().occupancy() == band).all()
+    assert (gw.driving.unseen(kept).occupancy() == band).all(), "site rules hold without a map"
+    assert (kept.emptied().solid.occupancy() == np.zeros_like(walls)).all()
+    with pytest.raises(BadParameter, match="forbidden"):
+        gw.World(walls, 0.1).forbidding(band[1:])
+    shaped = gw.World(bounds=(0, 0, 6, 4), resolution=0.1).forbidding(shapes=[{"disc": {"center": [3, 2], "radius": 0.5}}])
+    assert shaped.shapes
+    assert not shaped.solid.shapes
+
+
+def test_a_simulated_room_has_no_walls_where_it_is_only_forbidden():
+    from xml.etree.ElementTree import Element
+
+    from guideway.plants import room
+
+    def walls(world):
+        root = Element("mujoco")
+        room.furnish(root, world)
+        return len(list(root.iter("geom")))
+
+    plain = gw.World(bounds=(0, 0, 6, 4), resolution=0.1)
+    assert walls(plain.forbidding(shapes=[{"disc": {"center": [3, 2], "radius": 0.5}}])) == walls(plain)
+
+
+def test_masks_are_clipped_to_the_bounds_of_shapes_and_cells_merged(tmp_path):
+    grey = np.full((200, 200), 0)
+    grey[::7, ::7] = 255  # holes
+    path = mask(tmp_path, "keep", grey, 0.1)
+    kept = gw.World(bounds=(0.0, 0.0, 2.0, 1.5), resolution=0.05).with_keep_out(path)
+    assert len(kept.shapes) < 30
+    for x in np.arange(0.05, 2.0, 0.1):
+        for y in np.arange(0.05, 1.5, 0.1):
+            inside = grey[199 - int(y / 0.1), int(x / 0.1)] == 0
+            assert (kept.clearance([(x, y)])[0] < 0) == inside
+    assert all(point[0] < 2.11 and point[1] < 1.61 for shape in kept.shapes for point in shape["polygon"]["points"])
+
+
+def test_a_plan_refuses_masks_that_it_was_not_made_with(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mask(tmp_path, "hall", np.full((40, 60), 255), 0.1)
+    for name, columns in (("slow", slice(20, 30)), ("other", slice(40, 50))):
+        grey = np.full((40, 60), 255)
+        grey[:, columns] = 76
+        mask(tmp_path, name, grey, 0.1, mode="scale")
+    mask(tmp_path, "keep", forbidden(40, 60, slice(20, 40), slice(28, 32)), 0.1)
+    ends = ["--start", "1,1", "--goal", "5,1", "--footprint", "disc:0.2"]
+    assert main(["plan", "hall.yaml", *ends, "--speed-mask", "slow.yaml", "--keep-out", "keep.yaml", "--out", "plan.json"]) == 0
+    assert main(["plan", "hall.yaml", *ends, "--out", "plain.json"]) == 0
+    for words in (
+        ["plan.json", "--speed-mask", "other.yaml"],
+        ["plain.json", "--keep-out", "keep.yaml"],
+        ["plain.json", "--speed-mask", "slow.yaml"],
+    ):
+        capsys.readouterr()
+        assert main(["drive", *words]) == 2
+        assert f"{words[1]} '{words[2]}' is not a mask" in capsys.readouterr().err
+    same = ["--speed-mask", "slow.yaml", "--keep-out", "keep.yaml"]
+    assert main(["drive", "plan.json", *same, "--controller", "tracker", "--out", "run.json"]) == 0
+    assert json.loads((tmp_path / "run.json").read_text())["forbidden"] == 0.0

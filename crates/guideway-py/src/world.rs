@@ -69,7 +69,7 @@ impl World {
     /// The same static world under other moving obstacles (dictionaries as in `movers`).
     fn with_movers(&self, movers: &Bound<'_, PyAny>) -> PyResult<Self> {
         let movers = self::movers(movers)?;
-        Ok(Self { inner: Arc::new(self.inner.overlaid(movers)), source: self.source.clone(), sha256: self.sha256.clone(), files: self.files.clone() })
+        Ok(self.like(self.inner.overlaid(movers)))
     }
 
     /// The same world with a part of its map changed: `blocked` (height, width), row 0 on top, replaces the cells from `row`, `column` of the image on. Distances that
@@ -92,10 +92,32 @@ impl World {
         Ok(Self { inner: Arc::new(inner), source: None, sha256: None, files: BTreeMap::new() })
     }
 
-    /// The same world without the areas that a keep-out mask forbids: a `map_server` file, or a bool array of shape (height, width), row 0 on top, that lies like the
-    /// world's own map. A cell that a forbidden one touches is blocked; cells that the mask does not know are not.
+    /// The same world with the areas that a keep-out mask forbids: a `map_server` file, or a bool array of shape (height, width), row 0 on top, that lies like the
+    /// world's own map. A cell that a forbidden one touches is forbidden; cells that the mask does not know are not. Planners and controllers keep off them as off
+    /// obstacles; lidars, simulators and the judge of collisions see `solid`.
     fn with_keep_out<'py>(slf: &Bound<'py, Self>, mask: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         slf.py().import("guideway.site_rules")?.getattr("with_keep_out")?.call1((slf, mask))
+    }
+
+    /// The same world in which these places are forbidden as well, though nothing stands there: cells, a bool array of shape (height, width), row 0 on top, for worlds
+    /// with a map; shapes, dictionaries as in `shapes`, for any.
+    #[pyo3(signature = (cells=None, shapes=None))]
+    fn forbidding(&self, py: Python<'_>, cells: Option<&Bound<'_, PyAny>>, shapes: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let cells = cells.map(|c| bits(c, Rows::TopFirst)).transpose()?;
+        let shapes: Vec<Shape> = shapes.map_or(Ok(Vec::new()), |s| from_python("shapes", s))?;
+        let shapes = shapes.into_iter().map(Shape::validated).collect::<Result<Vec<_>, _>>().or_py(py)?;
+        Ok(self.like(self.inner.forbidding(cells.as_ref(), shapes).or_py(py)?))
+    }
+
+    /// What a robot without a map knows of this world before it has seen anything: its bounds, and what is forbidden.
+    fn emptied(&self, py: Python<'_>) -> PyResult<Self> {
+        Ok(Self { inner: Arc::new(self.inner.emptied().or_py(py)?), source: None, sha256: None, files: BTreeMap::new() })
+    }
+
+    /// The world as it is, with its movers: without what is only forbidden.
+    #[getter]
+    fn solid(&self) -> Self {
+        self.like(self.inner.solid().overlaid(self.inner.movers().to_vec()))
     }
 
     /// Exact distance from every cell's centre to the nearest static obstacle, m, shape (height, width), row 0 on top; infinite without obstacles.
@@ -207,6 +229,13 @@ impl World {
             self.inner.shapes().len(),
             self.inner.movers().len()
         )
+    }
+}
+
+impl World {
+    /// Another content from the same source.
+    fn like(&self, inner: world::World) -> Self {
+        Self { inner: Arc::new(inner), source: self.source.clone(), sha256: self.sha256.clone(), files: self.files.clone() }
     }
 }
 

@@ -158,16 +158,49 @@ def _from_plan(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, 
     plan = load_record(arguments.plan)
     if is_run(plan):
         raise BadFile(arguments.plan, "it is a run", "a plan.json or a scene TOML")
-    world = _with_site(_with_movers(world_of_record(plan, arguments.plan), arguments), arguments)
+    world = _with_movers(world_of_record(plan, arguments.plan), arguments)
+    _same_site(arguments, plan)
     masks = [mask_of_record(mask, arguments.plan) for mask in plan["world"].get("keep_out", [])]
     slow = None if "speed_mask" not in plan else mask_of_record(plan["speed_mask"], arguments.plan)
     try:
         query, trajectory, limits = driving.from_plan(plan, world)
-    except (KeyError, TypeError, ValueError) as error:
+        drive = driving.Drive(query, trajectory, limits, planner=plan.get("planner", "visibility"))
+        _said(drive, plan.get("drive") or {}, arguments)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BadFile(arguments.plan, f"a field is missing or wrong ({error})", "a plan.json as guideway plan writes it") from None
-    drive = driving.Drive(query, trajectory, limits, planner=plan.get("planner", "visibility"))
-    drive.keep_out, drive.speed_mask = [*masks, *arguments.keep_out], arguments.speed_mask or slow
+    driving.check(drive, arguments.plan)
+    drive.keep_out, drive.speed_mask = masks, slow
     return drive, plan
+
+
+def _same_site(arguments: argparse.Namespace, plan: dict[str, Any]) -> None:
+    """Refuses masks that the plan was not made with: its path and its speeds know nothing of them."""
+    from guideway.io.masks import read_mask
+
+    slow = [plan["speed_mask"]] if "speed_mask" in plan else []
+    given = [] if arguments.speed_mask is None else [arguments.speed_mask]
+    for option, paths, kept in (("--keep-out", arguments.keep_out, plan["world"].get("keep_out", [])), ("--speed-mask", given, slow)):
+        known = [sorted(mask["files"].values()) for mask in kept]
+        for path in paths:
+            if sorted(read_mask(path)[2].values()) not in known:
+                what = f"{option} {path!r} is not a mask that {arguments.plan} was made with"
+                raise BadParameter(f"{what}: leave it out (a plan brings its masks), or plan again with it")
+
+
+def _said(drive: driving.Drive, said: dict[str, Any], arguments: argparse.Namespace) -> None:
+    """What a scene says of the drive; :mod:`guideway.commands.plan` keeps it in the plan."""
+    for name in ("arrival", "time_limit", "mover_speed"):
+        value = said.get(name)
+        if value is not None:
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise TypeError(f"drive.{name} {value!r} is no number")
+            setattr(drive, name, float(value))
+    stop, lidar = said.get("stop", True), said.get("lidar")
+    if not isinstance(stop, bool) or not isinstance(lidar, dict | None):
+        raise TypeError(f"drive.stop is {stop!r} and drive.lidar {lidar!r}: true or false, and a table or null")
+    drive.stop_at_goal = stop
+    if lidar is not None and arguments.sense == "lidar":
+        drive.lidar = lidar
 
 
 def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, Any]]:
@@ -190,11 +223,7 @@ def _from_scene(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str,
     job.world = world
     drive = driving.Drive(job.query(), outcome.trajectory, job.limits, planner=job.planner)
     drive.keep_out, drive.speed_mask = job.keep_out, job.speed_mask
-    if scene.query is not None:
-        drive.arrival, drive.time_limit, drive.stop_at_goal = scene.query.arrival, scene.query.time_limit, scene.query.stop
-    drive.mover_speed = scene.mover_speed
-    if scene.lidar is not None and arguments.sense == "lidar":
-        drive.lidar = scene.lidar.to_dict()
+    _said(drive, job.drive, arguments)
     return drive, outcome.record
 
 
@@ -239,6 +268,10 @@ def summary(record: dict[str, Any]) -> str:
         f"tracking     {100 * tracking['tte']:.2f} cm from the path (RMS), {100 * tracking['tpe']:.1f} cm from the goal at the end",
         f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms)",
     ]
+    if record["plan_seconds"]["mean"] > 0.0:
+        plans = record["plan_seconds"]
+        times = f"{1e3 * plans['p50']:.1f} ms a plan (99 %: {1e3 * plans['p99']:.1f} ms)"
+        lines.append(f"planning     {record['planner']}, {times}, for which the simulation stood still")
     plant = record["plant"]
     if "limits" in plant:
         asked, held = plant["limits"]["asked"], plant["limits"]["held"]

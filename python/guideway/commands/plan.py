@@ -182,6 +182,7 @@ def job_of_scene(scene: Scene) -> jobs.Job:
         job.order = query.order
         job.soft_clearance = query.soft_clearance
         job.via, job.clearance, job.half_width, job.material = list(query.via), query.clearance, query.half_width, query.material
+    job.drive = drive_of_scene(scene)
     job.speed_mask = None if scene.speed_mask is None else str(scene.speed_mask)
     if table is not None:
         job.planner, job.refine = table.planner or job.planner, table.refine or job.refine
@@ -189,6 +190,13 @@ def job_of_scene(scene: Scene) -> jobs.Job:
         job.budget = records.Budget(table.iterations, table.evaluations, table.seconds)
         job.exact_fallback, job.pareto = table.exact_fallback, table.pareto
     return job
+
+
+def drive_of_scene(scene: Scene) -> dict[str, Any]:
+    """What a scene says of the drive, for the record of its plan."""
+    query = scene.query
+    said = {} if query is None else {"arrival": query.arrival, "time_limit": query.time_limit, "stop": query.stop}
+    return said | {"mover_speed": scene.mover_speed, "lidar": None if scene.lidar is None else scene.lidar.to_dict()}
 
 
 def _end(arguments: argparse.Namespace, name: str, known: tuple[float, ...], world: _core.World) -> tuple[float, ...]:

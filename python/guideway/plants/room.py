@@ -35,6 +35,7 @@ def add(parent: Element, tag: str, **attributes: str) -> Element:
 def furnish(root: Element, world: World) -> list[str]:
     """Adds floor, walls and movers of a world to a document; returns the names of the movers' bodies, in their order."""
     assets = add(root, "asset")
+    world = world.solid  # what is only forbidden is no body
     stage = add(root, "worldbody")
     left, low, right, high = world.bounds
     middle = ((left + right) / 2, (low + high) / 2)

@@ -262,7 +262,7 @@ impl<'a> Drive<'a> {
         }
         self.next_scan += 1.0 / lidar.rate;
         let movers: Vec<(Outline, Point)> = self.stage.present().map(|(_, mover, outline)| (outline.clone(), mover.at(t).0)).collect();
-        Some(lidar.scan(&self.job.query.world, &movers, (pose, t), &mut self.rays))
+        Some(lidar.scan(self.job.query.world.solid(), &movers, (pose, t), &mut self.rays))
     }
 
     /// A new course is in force. It is no progress by itself.
@@ -322,6 +322,7 @@ impl<'a> Drive<'a> {
             time: end - first,
             movers: self.job.query.world.movers().iter().zip(&self.stage.since).map(|(m, s)| recorded(m, *s, end)).collect(),
             replans,
+            forbidden: self.judge.forbidden,
             min_separation: Separation { still: finite(self.judge.still), movers: finite(self.judge.moving) },
             emergency_stops: self.emergency_stops,
             step_seconds: Percentiles::of(self.seconds),

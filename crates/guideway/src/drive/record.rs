@@ -34,6 +34,8 @@ pub struct Run {
     pub replans: u32,
     /// Smallest distances of the true footprint, continuous in time.
     pub min_separation: Separation,
+    /// Time in places that are only forbidden, s: no collision; `None` where nothing is.
+    pub forbidden: Option<f64>,
     /// Times a controller stopped or replanned while the base moved faster than 0.2 m/s.
     pub emergency_stops: u32,
     /// Wall-clock time of one decision, s.

@@ -59,22 +59,31 @@ pub(super) struct Judge<'a> {
     pub still: f64,
     /// Smallest distance to movers so far, m.
     pub moving: f64,
+    /// Time spent in forbidden places so far, s; `None` where nothing is forbidden.
+    pub forbidden: Option<f64>,
 }
 
 impl<'a> Judge<'a> {
     pub fn new(world: &'a World, footprint: &Footprint) -> Self {
         let outline = Outline::of(footprint);
         let reach = outline.circumscribed();
-        Self { world, outline, reach, inscribed: footprint.inscribed(), still: f64::INFINITY, moving: f64::INFINITY }
+        let forbidden = world.forbidden().map(|places| {
+            // Queries use these where they are there.
+            places.clearance_field();
+            world.solid().clearance_field();
+            0.0
+        });
+        Self { world, outline, reach, inscribed: footprint.inscribed(), still: f64::INFINITY, moving: f64::INFINITY, forbidden }
     }
 
     /// The first contact during a leg, if any: what and when (s). Keeps the smallest distances up to then.
     pub fn watch(&mut self, leg: &Leg, stage: &Stage) -> Option<(With, f64)> {
         let end = leg.t + leg.duration;
         let own = leg.v.abs() + leg.w.abs() * self.reach;
+        self.trespass(leg);
         let mut first = self.border(leg).map(|t| (With::Border, t));
         let mut still = self.still;
-        let gap = |t: f64, best: f64| static_gap(self.world, &self.outline, [self.reach, self.inscribed], (leg.at(t), best));
+        let gap = |t: f64, best: f64| static_gap(self.world.solid(), &self.outline, [self.reach, self.inscribed], (leg.at(t), best));
         let hit = descend(&gap, own, [leg.t, end], &mut still);
         self.still = still;
         first = earlier(first, hit.map(|t| (With::Static, t)));
@@ -90,6 +99,15 @@ impl<'a> Judge<'a> {
             first = earlier(first, hit.map(|t| (With::Mover(i), t)));
         }
         first
+    }
+
+    /// Counts a leg that ends in a forbidden place. It is no collision: nothing stands there.
+    fn trespass(&mut self, leg: &Leg) {
+        if let (Some(total), Some(world)) = (&mut self.forbidden, self.world.forbidden())
+            && static_gap(world, &self.outline, [self.reach, self.inscribed], (leg.at(leg.t + leg.duration), 0.0)) < CONTACT
+        {
+            *total += leg.duration;
+        }
     }
 
     fn border(&self, leg: &Leg) -> Option<f64> {

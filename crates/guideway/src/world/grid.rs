@@ -85,6 +85,12 @@ impl Grid {
         }
         grid
     }
+    /// Blocks more cells, those of bits of the same size.
+    pub(super) fn block(&mut self, more: &Bits) {
+        for y in 0..self.height().min(more.height()) {
+            self.blocked.row_mut(y).iter_mut().zip(more.row(y)).for_each(|(a, b)| *a |= b);
+        }
+    }
     /// Map frame (m) to grid frame (cells, real-valued; cell `(i, j)` covers `[i, i+1] x [j, j+1]`).
     #[inline]
     pub fn to_cells(&self, p: Point) -> Point {

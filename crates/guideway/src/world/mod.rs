@@ -1,7 +1,7 @@
 //! The world: what is blocked, where the robot may be, and exactly how far away everything is.
 //!
 //! A world is an occupancy [`Grid`], analytic [`Shape`]s, or both, inside bounds. The border of the world stops the robot's reference
-//! point but is no obstacle: it costs no clearance. Worlds are immutable; moving obstacles overlay them in time.
+//! point but is no obstacle: it costs no clearance. Places may be [forbidden](World::forbidding) without an obstacle. Worlds are immutable; moving obstacles overlay them in time.
 
 mod bits;
 mod clearance;
@@ -12,6 +12,7 @@ mod grid;
 mod lattice;
 mod mover;
 mod pose;
+mod rules;
 mod segment;
 pub mod shape;
 mod speed_map;
@@ -47,6 +48,8 @@ pub struct World {
     bounds: [f64; 4],
     resolution: f64,
     movers: Vec<Mover>,
+    /// What is only forbidden, if anything is; it is among the blocked cells and the shapes.
+    rules: Option<rules::Rules>,
     lattices: Mutex<Vec<(u64, Arc<Lattice>)>>,
     /// Distances to blocked cells, and clearances, which hold them.
     squares: OnceLock<Arc<distance::SquareField>>,
@@ -88,12 +91,15 @@ impl World {
     /// A static world of which nothing is computed yet.
     fn bare(grid: Option<Grid>, shapes: Vec<Shape>, bounds: [f64; 4], resolution: f64) -> Self {
         let (lattices, squares, field) = (Mutex::default(), OnceLock::new(), OnceLock::new());
-        Self { grid, shapes, bounds, resolution, movers: Vec::new(), lattices, squares, field }
+        Self { grid, shapes, bounds, resolution, movers: Vec::new(), rules: None, lattices, squares, field }
     }
 
     /// Adds analytic shapes to the static world.
     #[must_use]
     pub fn with_shapes(mut self, shapes: Vec<Shape>) -> Self {
+        if let Some(rules) = &mut self.rules {
+            rules.solid = Arc::new(rules.solid.extended(shapes.iter().cloned()));
+        }
         self.shapes.extend(shapes);
         self.lattices = Mutex::default();
         self.field = OnceLock::new();
@@ -132,6 +138,7 @@ impl World {
             bounds: self.bounds,
             resolution: self.resolution,
             movers,
+            rules: self.rules.clone(),
             lattices: Mutex::new(lattices),
             squares: self.squares.clone(),
             field: self.field.clone(),

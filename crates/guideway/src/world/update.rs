@@ -1,12 +1,13 @@
 //! Worlds that differ a little from one that is known: what was computed from that one is kept where it still holds.
 
 use super::distance::SquareField;
+use super::rules::Rules;
 use super::{Bits, Cell, Grid, Shape, World};
 use crate::error::PlanError;
 use std::sync::{Arc, OnceLock};
 
 impl World {
-    /// The same world with these cells of its map blocked (true) or free, the last change of a cell counting. Distances that were computed are brought up to date, and
+    /// The same world with these cells of its map blocked (true) or free, the last change of a cell counting; what is forbidden stays so. Distances that were computed are brought up to date, and
     /// computed anew only for rows that a change can matter to; the result is the same as that of a new world. Lattices are built when they are asked for.
     /// # Errors
     /// [`PlanError::BadParameter`] for a world without a map or a cell outside it.
@@ -18,7 +19,10 @@ impl World {
             let allowed = format!("cells of the map: columns below {}, rows below {}", grid.width(), grid.height());
             return Err(PlanError::bad("changes", format!("cell ({x}, {y})"), allowed));
         }
-        let new = grid.with(changes);
+        let rules = self.rules.as_ref().map(|r| Ok(Rules { solid: Arc::new(r.solid.updated(changes)?), ..r.clone() })).transpose()?;
+        let kept = |[x, y]: Cell| self.forbidden().and_then(Self::grid).is_some_and(|g| g.blocked().at(x, y));
+        let obeyed: Vec<(Cell, bool)> = changes.iter().map(|&(cell, on)| (cell, on || kept(cell))).collect();
+        let new = grid.with(&obeyed);
         let differs = |&&([x, y], _): &&(Cell, bool)| grid.blocked().at(x, y) != new.blocked().at(x, y);
         let changed: Vec<Cell> = changes.iter().filter(differs).map(|c| c.0).collect();
         let squares = OnceLock::new();
@@ -27,26 +31,29 @@ impl World {
             let made = || Arc::new(SquareField::updated(before, grid.blocked(), new.blocked(), &changed));
             squares.get_or_init(if changed.is_empty() { &kept as &dyn Fn() -> _ } else { &made });
         }
-        Ok(Self { squares, movers: self.movers.clone(), ..self.changed(Some(new), self.shapes.clone()) })
+        Ok(Self { squares, movers: self.movers.clone(), rules, ..self.changed(Some(new), self.shapes.clone()) })
     }
 
     /// The static world with more shapes, without movers. Distances to blocked cells that were computed are kept.
     #[must_use]
     pub fn extended(&self, shapes: impl IntoIterator<Item = Shape>) -> Self {
-        let all = self.shapes.iter().cloned().chain(shapes).collect();
-        Self { squares: self.squares.clone(), ..self.changed(self.grid.clone(), all) }
+        let more: Vec<Shape> = shapes.into_iter().collect();
+        let rules = self.rules.as_ref().map(|r| Rules { solid: Arc::new(r.solid.extended(more.iter().cloned())), ..r.clone() });
+        let all = self.shapes.iter().cloned().chain(more).collect();
+        Self { squares: self.squares.clone(), rules, ..self.changed(self.grid.clone(), all) }
     }
 
-    /// The frame of this world with nothing in it.
+    /// The frame of this world with nothing in it but what is forbidden.
     /// # Errors
     /// None for worlds that were made.
     pub fn emptied(&self) -> Result<Self, PlanError> {
         let empty = |g: &Grid| Grid::new(Bits::new(g.width(), g.height()), None, g.resolution(), g.origin());
-        Ok(self.changed(self.grid.as_ref().map(empty).transpose()?, Vec::new()))
+        let empty = self.changed(self.grid.as_ref().map(empty).transpose()?, Vec::new());
+        Ok(empty.ruled_as(self))
     }
 
     /// This world's frame with another content of which nothing is computed.
-    fn changed(&self, grid: Option<Grid>, shapes: Vec<Shape>) -> Self {
+    pub(super) fn changed(&self, grid: Option<Grid>, shapes: Vec<Shape>) -> Self {
         Self::bare(grid, shapes, self.bounds, self.resolution)
     }
 }

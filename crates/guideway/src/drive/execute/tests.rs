@@ -2,7 +2,7 @@ use super::super::testing::{drive, drive_with, legs, limits, parked, query, room
 use super::super::{Ask, Controller, Decision, Guide, Observation};
 use super::*;
 use crate::Point;
-use crate::world::{Appears, Footprint, Loop, Shape};
+use crate::world::{Appears, Bits, Footprint, Grid, Loop, Shape, World};
 use serde_json::{Value, json};
 
 const ROOM: [f64; 4] = [0.0, 0.0, 10.0, 6.0];
@@ -162,4 +162,41 @@ fn bad_jobs_and_controllers_are_refused() {
     let bad = [("nobody", Value::Null), ("tracker", json!({"k_z": 1})), ("tracker", json!({"k_x": -1})), ("tracker", json!({"k_x": "fast"}))];
     assert!(bad.into_iter().all(|(name, v)| matches!(super::super::controller(name, v, &setup), Err(PlanError::BadParameter { .. }))));
     assert!(super::super::CONTROLLERS.iter().all(|e| super::super::controller(e.name, (e.defaults)(), &setup).is_ok()));
+}
+
+/// A room of cells with walls, and a band across it that is forbidden but for a gap at the top.
+fn banded() -> Arc<World> {
+    let (mut walls, mut band) = (Bits::new(120, 60), Bits::new(120, 60));
+    (0..60).for_each(|y| (0..120).for_each(|x| walls.set(x, y, x % 119 == 0 || y % 59 == 0)));
+    (0..44).for_each(|y| (55..65).for_each(|x| band.set(x, y, true)));
+    Arc::new(World::from_grid(Grid::new(walls, None, 0.1, [0.0; 3]).unwrap()).forbidding(Some(&band), Vec::new()).unwrap())
+}
+
+#[test]
+fn what_is_forbidden_is_kept_off_with_and_without_a_map_though_no_lidar_shows_it() {
+    let world = banded();
+    let query = query(&world, &[[1.0, 1.0], [11.0, 1.0]]);
+    let planning = super::super::Planning::new(crate::plan::planner("visibility", Value::Null).unwrap(), limits());
+    let again = |ask: &Ask, ctx: &mut Context| planning.motion(ask, ctx);
+    for map_known in [true, false] {
+        // The first motion leads straight through.
+        let run = drive_with("improved-dwa", &query, (&[query.start, query.goal], Some(&again)), 0, |job| {
+            (job.sense, job.map_known) = (Sense::Lidar(Lidar::default()), map_known);
+            job.trace = true;
+        });
+        assert_eq!((run.outcome, run.forbidden), (Outcome::Arrived, Some(0.0)), "map known: {map_known}, {:?}", run.events);
+        assert!(run.driven.iter().any(|r| r[2] > 4.4) && run.min_separation.still.unwrap() > 0.1);
+    }
+    let mut rng = Lidar::random(0);
+    let scan = Lidar { noise: 0.0, ..Lidar::default() }.scan(world.solid(), &[], ([1.0, 1.0, 0.0], 0.0), &mut rng);
+    let ahead = (-scan.first / scan.step).round() as usize;
+    assert!(scan.ranges[ahead] > 9.9, "the wall at 11.9 m or nothing within 10 m, not the band at 5.5 m: {}", scan.ranges[ahead]);
+}
+
+#[test]
+fn a_forbidden_place_is_no_collision_and_the_time_in_it_is_counted() {
+    let world = banded();
+    let run = blind(&query(&world, &[[4.0, 1.0], [11.0, 1.0]]), Command { v: 0.5, w: 0.0 }, 10.0);
+    // From the front at 5.5 m to the back at 6.5 m: 1.5 m at 0.5 m/s.
+    assert!(run.collision.is_none() && (run.forbidden.unwrap() - 3.0).abs() < 0.05, "{:?}", run.forbidden);
 }

@@ -40,8 +40,10 @@ pub(super) struct LocalMap {
     tiles: Tiles,
     /// Cells in which something unexplained is seen: since when and when last, s.
     lingering: BTreeMap<usize, [f64; 2]>,
-    /// The static world where it is given.
+    /// The static world where it is given, as it is.
     base: Option<Arc<World>>,
+    /// The world whose rules hold.
+    site: Arc<World>,
     published: Option<Arc<World>>,
 }
 
@@ -71,7 +73,7 @@ impl LocalMap {
             (0..size[1]).for_each(|y| (0..size[0]).for_each(|x| unknown.set(x, y, true)));
         }
         let frame = Grid::new(blocked.clone(), None, resolution, origin)?;
-        let (base, start) = if given { (Some(Arc::clone(world)), LEAST) } else { (None, UNKNOWN) };
+        let (base, start) = if given { (Some(Arc::new(world.solid().overlaid(Vec::new()))), LEAST) } else { (None, UNKNOWN) };
         let evidence = vec![start; size[0] as usize * size[1] as usize];
         Ok(Self {
             frame,
@@ -83,6 +85,7 @@ impl LocalMap {
             tiles: Tiles::new(size, !given),
             lingering: BTreeMap::new(),
             base,
+            site: Arc::clone(world),
             published: None,
         })
     }
@@ -179,7 +182,7 @@ impl LocalMap {
         (y.saturating_sub(1)..=y1).all(|j| (x.saturating_sub(1)..=x1).all(|i| (UNKNOWN + 1..0).contains(&self.evidence[self.index(i, j)])))
     }
 
-    /// The world as far as it is known: blocked and never seen cells, and the shapes of the given map. Made anew only if a cell changed; `None` while it is
+    /// The world as far as it is known: blocked and never seen cells, the shapes of the given map, and what is forbidden. Made anew only if a cell changed; `None` while it is
     /// the given one.
     pub fn world(&mut self) -> Option<&Arc<World>> {
         if std::mem::take(&mut self.changed) {
@@ -199,6 +202,6 @@ impl LocalMap {
         let unknown = self.base.is_none().then(|| self.unknown.clone());
         let grid = Grid::new(blocked, unknown, self.frame.resolution(), self.frame.origin())?;
         let shapes = self.base.as_ref().map_or(Vec::new(), |w| w.shapes().to_vec());
-        Ok(World::from_grid(grid).with_shapes(shapes))
+        Ok(World::from_grid(grid).with_shapes(shapes).ruled_as(&self.site))
     }
 }

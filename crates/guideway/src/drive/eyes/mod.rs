@@ -59,7 +59,8 @@ impl Eyes {
         let lidar = lidar.validated()?;
         Ok(Self {
             beams: lidar.beams as usize,
-            base: map_known.then(|| (Arc::clone(world), world.clearance_field())),
+            // What is only forbidden explains nothing that is seen.
+            base: map_known.then(|| Arc::new(world.solid().overlaid(Vec::new()))).map(|solid| (Arc::clone(&solid), solid.clearance_field())),
             map: LocalMap::new(world, map_known)?,
             filter: Filter::new(TRUST),
             tracks: Tracks::new(None),

@@ -3,6 +3,7 @@
 //! Source: \[lu2025\] on \[fox1997\] (`preset=paper`); passive safety as in \[bouraine2012\] (`preset=default`). Equations, parameters and the proof of
 //! the guarantee: `docs/methods/improved-dwa.md`.
 
+mod left;
 mod paper;
 mod plan;
 mod readings;

@@ -182,7 +182,7 @@ impl LocalMap {
         (y.saturating_sub(1)..=y1).all(|j| (x.saturating_sub(1)..=x1).all(|i| (UNKNOWN + 1..0).contains(&self.evidence[self.index(i, j)])))
     }
 
-    /// The world as far as it is known: blocked and never seen cells, the shapes of the given map, and what is forbidden. Made anew only if a cell changed; `None` while it is
+    /// The world as far as it is known: blocked and never seen cells, the shapes of the given map, what is forbidden. Made anew only if a cell changed; `None` while it is
     /// the given one.
     pub fn world(&mut self) -> Option<&Arc<World>> {
         if std::mem::take(&mut self.changed) {

@@ -1,6 +1,7 @@
 //! Our settings: the best sequence of manoeuvres over the next seconds, its first command only if a full brake after it is safe.
 
 use super::ImprovedDwa;
+use super::left::{Idle, NEAR_END, NEARER, known, left, nothing};
 use crate::Point;
 use crate::context::Context;
 use crate::drive::body::Body;
@@ -14,9 +15,9 @@ use crate::drive::ramp::Ramp;
 use crate::drive::rooms::Rooms;
 use crate::drive::search::{Node, Plans, Search};
 use crate::drive::ways::{Predictor, Sim, Way, escapes};
-use crate::drive::{Command, Controller, CostToGo, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
+use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
 use crate::world::World;
-use crate::world::shape::{distance, wrap};
+use crate::world::shape::wrap;
 use std::sync::Arc;
 
 /// Ends of the levels as shares of the horizon.
@@ -32,8 +33,7 @@ const TURNS: [f64; 4] = [-0.9, -0.35, 0.35, 0.9];
 const PARK: f64 = 2.5;
 /// Distance from the path beyond which it costs no more, m.
 const LIMIT: f64 = 2.0;
-/// The last metre counts so much more, m; what is left on the way there counts so much of what is left at its end.
-const LAST: f64 = 0.6;
+/// What is left on the way counts so much of what is left at its end.
 const EARLY: f64 = 0.3;
 /// Stops in predictions begin so much later (s) and keep so much more distance (m) than those that are guaranteed.
 const SLOW: f64 = 0.05;
@@ -42,15 +42,9 @@ const SPARE: f64 = 0.04;
 const TIGHT: f64 = 0.02;
 /// So near to the path the robot is on it, m.
 const ON_IT: f64 = 0.3;
-/// What places cost that cannot be reached by the cost-to-go, more than the present one, m.
-const BLOCKED: f64 = 1.5;
-/// Nearer to the end than this the path leads, m.
-const NEAR_END: f64 = 0.6;
 /// Distance to the end of the path that counts as there, and beside it, m.
 const THERE: f64 = 0.03;
 const BESIDE: f64 = 0.06;
-/// Smaller commands are none, m/s and rad/s.
-const NOTHING: [f64; 2] = [0.02, 0.05];
 /// Older looks at the surroundings are none, s.
 const BLIND: f64 = 0.5;
 /// Steps of a ramp until the period is known, and at most, s.
@@ -81,6 +75,7 @@ pub(super) fn build(p: ImprovedDwa, setup: &Setup) -> Box<dyn Controller> {
         best: (0.0, f64::NAN),
         last: Last { command: Command::default(), rate: 0.0, braked: true, side: None, time: f64::NAN },
         held: None,
+        idle: Idle::new(),
         sketch: Sketch::default(),
         rooms: Rooms::default(),
     })
@@ -116,11 +111,6 @@ impl Move {
     }
 }
 
-/// Is a command too small to be one?
-fn nothing(command: Command) -> bool {
-    command.v.abs() < NOTHING[0] && command.w.abs() < NOTHING[1]
-}
-
 struct Planning {
     p: ImprovedDwa,
     weights: Weights,
@@ -137,6 +127,7 @@ struct Planning {
     last: Last,
     /// The manoeuvre that is held, and until when, s.
     held: Option<(f64, Way)>,
+    idle: Idle,
     sketch: Sketch,
     rooms: Rooms,
 }
@@ -155,6 +146,7 @@ impl Controller for Planning {
         let next = if let Decision::Drive(command) = decision { command } else { Command::default() };
         self.last.rate = if self.last.braked { 0.0 } else { (next.v - from) / dt };
         (self.last.command, self.last.time) = (next, seen.time);
+        self.idle.note(seen, next, self.p.horizon);
         decision
     }
 
@@ -301,7 +293,15 @@ impl Planning {
         self.sketch.discs.clear();
         let planned = plans.best.iter().map(|i| plans.node(*i)).find(|n| n.first == 0).and_then(|n| n.met);
         let mut refused = None;
-        for &i in plans.best.iter().filter(|i| !(good && plans.node(**i).lost)) {
+        let mut order: Vec<usize> = plans.best.iter().copied().filter(|i| !(good && plans.node(*i).lost)).collect();
+        if good && self.idle.urges(seen) {
+            let guide = self.guide.as_deref().and_then(|guide| guide.to_go.as_deref());
+            let to_go = known(guide, [start.pose[0], start.pose[1]]);
+            let stands = |i: usize| self.asked(predictor, firsts[plans.node(i).first], start, seen).stands();
+            let enough = left(start, predictor.local, to_go) - NEARER;
+            order.sort_by_key(|i| plans.node(*i).rest > enough || stands(*i));
+        }
+        for i in order {
             let way = firsts[plans.node(i).first];
             let step = self.asked(predictor, way, start, seen);
             match self.allowed(guard, step) {
@@ -401,7 +401,7 @@ impl Planning {
             _ if escape => list.extend(escapes(predictor.robot, self.p.reverse, &node.sim, level)),
             _ => self.later(&node.sim, list),
         };
-        let to_go = guide.to_go.as_deref().map(|field| (field, field.at([start.pose[0], start.pose[1]]))).filter(|known| known.1.is_finite());
+        let to_go = known(guide.to_go.as_deref(), [start.pose[0], start.pose[1]]);
         let left = |sim: &Sim| left(sim, predictor.local, to_go);
         let end = guide.course.end().pose;
         let score = |node: &Node| {
@@ -463,23 +463,6 @@ impl Planning {
             kept: self.last.side == Some(way.side()),
         }
     }
-}
-
-/// Distance to the goal that is left, m, by the cost-to-go of the global layer where there is one and the end is not near; the last bit counts more, so that
-/// it is worth driving.
-fn left(sim: &Sim, local: &Local, to_go: Option<(&CostToGo, f64)>) -> f64 {
-    let [s, lateral, _] = local.relative(sim.mark, sim.pose);
-    let p = [sim.pose[0], sim.pose[1]];
-    if let Some((field, now)) = to_go
-        && local.length - s > NEAR_END
-    {
-        // Cells that the field counts as blocked may be crossed by what is predicted to be free.
-        return field.at(p).min(now + BLOCKED) + LAST;
-    }
-    let mark = local.mark(sim.mark);
-    let off = if s < local.length { lateral.abs() } else { distance(p, mark.point) };
-    let left = (local.length - s).max(0.0) + 0.7 * off;
-    left + LAST * left.min(1.0).sqrt()
 }
 
 /// Distance from the end pose, m.

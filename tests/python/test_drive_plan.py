@@ -8,6 +8,7 @@ import pytest
 
 import guideway as gw
 from guideway.cli import main
+from guideway.commands.drive import summary
 
 SCENE = """
 [world]
@@ -113,3 +114,11 @@ def test_edited_plans_are_refused(room, capsys):
         error = capsys.readouterr().err
         assert named in error
         assert "edited.json" in error
+
+
+def test_the_summary_tells_how_long_plans_took(room):
+    main(["drive", "plan.json", "--controller", "tracker", "--time-limit", "1", "--out", "run.json"])
+    run = json.loads((room / "run.json").read_text())
+    none, some = ({"mean": x, "p50": x, "p95": x, "p99": 2 * x} for x in (0.0, 0.04))
+    assert "planning" not in summary(run | {"plan_seconds": none})
+    assert "visibility, 40.0 ms a plan (99 %: 80.0 ms)" in summary(run | {"plan_seconds": some})

@@ -11,6 +11,7 @@ pytest.importorskip("pinocchio")
 
 import guideway as gw
 from guideway.arm.learning import LEARNERS, Task, make_learner
+from guideway.arm.learning.kernel import solve
 from guideway.arm.learning.loop import run
 from guideway.cli import main
 from guideway.plants.arm import make_arm
@@ -80,3 +81,16 @@ def test_a_limit_that_no_learner_keeps_is_refused(tmp_path, capsys, arm, star, n
     assert main([*STAR, "--out", "out.json"]) == 2
     assert f"limit {name} cannot be kept while learning" in " ".join(capsys.readouterr().err.split())
     assert not (tmp_path / "out.json").exists()
+
+
+@pytest.mark.parametrize("slack", [0.02, 0.05, 0.0915, 0.15])
+def test_where_friction_takes_the_last_of_a_torque_it_does_not_stop_for_good(slack):
+    n, one = 41, np.ones((41, 1))
+    s, low, c = np.linspace(0, 0.15, n), -10.7143 * one, -10.0 * one
+    c[-2], c[-1] = slack - 10.7143, -8.5
+    x = solve(s, np.full(n, 4.0), (0.036 * one, 0.2 * one, -0.556 * one, c), low, -low)
+    assert (x[1:-1] > 0).all()
+    u = np.diff(x) / (2 * np.diff(s))
+    for side in (slice(0, -1), slice(1, None)):
+        tau = 0.036 * u + 0.2 * x[side] - 0.556 * np.sqrt(x[side]) + c[side, 0]
+        assert (tau >= low[side, 0] - 1e-3).all()

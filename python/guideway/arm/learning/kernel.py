@@ -10,7 +10,8 @@ from guideway.errors import Infeasible
 
 Floats = NDArray[np.float64]
 
-FEW, MANY, ROUNDS = 4, 10, 12
+FEW, MANY, ROUNDS, EASINGS = 4, 10, 20, 12
+EASED = 0.7
 SETTLED = 1e-6
 """Rounds end when no squared speed changes by more than this share of the largest one."""
 
@@ -21,7 +22,25 @@ def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats
 
     The root is replaced by its tangent at the result of the round before, which settles fast. Chords from 0 come first where there is no guess, and
     all the way where a tangent fails (it asks for too much at a place that has become much slower): they halve the error of a round, and never fail.
+
+    Where viscous friction takes the last of a torque, the greatest speed before a place may be one from which only a stop there is within the limits,
+    and no torque is left to go on. Such speeds are lowered. Raises :class:`guideway.errors.Infeasible` where that does not help.
     """
+    for _ in range(EASINGS):
+        x = _settled(s, ceiling, rows, low, high, guess)
+        stands = (x[1:] <= 0) & (x[:-1] <= 0)
+        if not stands.any():
+            return x
+        before, after = np.append(stands[1:], False), np.append(False, stands[:-1])
+        ceiling = ceiling.copy()
+        ceiling[:-1][before] = EASED * x[:-1][before]
+        ceiling[1:][after] = EASED * x[1:][after]
+    at = s[int(np.argmax(stands))]
+    raise Infeasible(f"next to no torque is left at s = {at:.4f} rad of the path: no motion passes it within the limits")
+
+
+def _settled(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats], low: Floats, high: Floats, guess: Floats | None) -> Floats:
+    """Squared speeds as of :func:`solve`, which may stand still over an interval."""
     a, b, d, c = rows
     low, high = (np.ascontiguousarray(np.broadcast_to(bound, a.shape)) for bound in (low, high))
     if not d.any():
@@ -40,15 +59,16 @@ def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats
             found = np.asarray(_core.topp_kernel(s, ceiling, a, b + half / root, c + half * root, low, high))
         except Infeasible:
             return chords(MANY)
-        if (found[1:-1] <= 0).any():
-            return chords(MANY)
         settled = np.abs(found - x).max() <= SETTLED * float(found.max())
         x = found
         if settled:
             break
-    return x
+    # A place may be slowed down to a stop on the way here, and recover; where it does not, chords are the better guess.
+    return x if (x[1:-1] > 0).all() else chords(MANY)
 
 
 def _root(x: Floats, ceiling: Floats) -> Floats:
-    """Speeds (n, 1), none of them 0."""
-    return np.sqrt(np.maximum(x, 1e-8 * float(ceiling.max())))[:, None]
+    """Speeds (n, 1), none of them 0: at a stop on the way a half of those beside it, or it would stay one, its root being so steep there."""
+    beside = np.zeros_like(x)
+    beside[1:-1] = np.where(x[1:-1] > 0, 0.0, 0.25 * np.maximum(x[:-2], x[2:]))
+    return np.sqrt(np.maximum(np.maximum(x, beside), 1e-8 * float(ceiling.max())))[:, None]

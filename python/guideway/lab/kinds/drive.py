@@ -74,9 +74,9 @@ METRICS = {
     "tsec": Metric("tsec", "kW h", "lower", 3),
     "step_p99": Metric("step_p99", "s", "lower", 5),
 }
-"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and 0.3 m from everything at all times, ``near_success``: 0.25 m;
-``clean``: no hit while moving; ``reached``: arrived, where a way exists;
-``arrived_deviation``: of those that arrived);
+"""Outcome (``arrived``, hits while moving and while parked, ``success``: arrived and at all times 0.3 m from everything, or the query's clearance
+where that is less, ``near_success``: 0.25 m; ``clean``: no hit while moving; ``reached``: arrived, where a way exists; ``arrived_deviation``: of
+those that arrived);
 drive (see :mod:`guideway.lab.driven`; errors in cm); motion (jerk, steps, ``over``: samples beyond a limit); plan (``planned`` length, ``auc``).
 The last four depend on the machine."""
 
@@ -184,10 +184,11 @@ def drive_measures(record: Mapping[str, Any], query: gw.Query) -> dict[str, Any]
     """Of the drive."""
     outcome, hit, nearest, tracking = record["outcome"], record["collision"], record["min_separation"], record["tracking"]
     arrived = outcome == "arrived"
+    asked = min(query.clearance, driven.SAFE)
     told = {
         "arrived": arrived,
-        "success": arrived and (nearest is None or nearest >= driven.SAFE),
-        "near_success": arrived and (nearest is None or nearest >= driven.NEARLY),
+        "success": arrived and (nearest is None or nearest >= asked),
+        "near_success": arrived and (nearest is None or nearest >= min(asked, driven.NEARLY)),
         "hit": hit is not None,
         "clean": not (hit and not hit["unavoidable"]),
         "hit_moving": bool(hit and not hit["unavoidable"]),

@@ -176,6 +176,8 @@ def time_joints(
     rows: Callable[[_Floats], Mapping[str, Any]] | None = None,
     row_names: Sequence[str] | None = None,
     ceiling: Callable[[_Floats], ArrayLike] | None = None,
+    rates: Callable[[_Floats], Mapping[str, Any]] | None = None,
+    rate_names: Sequence[str] | None = None,
     start_speed: float = 0.0,
     end_speed: float = 0.0,
     grid: int | None = None,

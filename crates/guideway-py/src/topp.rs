@@ -181,10 +181,11 @@ fn windowed(rows: Option<Vec<Vec<f64>>>, duration: Option<f64>) -> Result<Vec<Wi
 /// dictionary of `a`, `b`, `c`, `d`, `low`, `high`, each (n, r) or (r,); all but `a` may be left out. `row_names`: r names. `ceiling(s)`: the largest `x`, shape
 /// (n,). `grid`: number of intervals; None: chosen by the time it may cost (`tolerance`, a share of the duration). All limits hold between grid points,
 /// checked at `check` places per interval; with a grid and `tighten=False` only at the grid points. `jerk`: the
-/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk.
+/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk. `rates(s)`, with `jerk`: rows as of `rows` whose change by time
+/// stays between `low` < 0 and `high` > 0 (torque rate); jumps of theirs do not count. `rate_names`: their names. A limit of jerk may then be left out.
 /// `windows`: rows of place (rad), earliest and, if need be, latest time (s) to pass it; `duration` (s): not faster than that in all. Raises `Infeasible` with the limit and the place.
 #[pyfunction]
-#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=3e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
+#[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, rates=None, rate_names=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=3e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn time_joints(
     py: Python<'_>,
@@ -194,6 +195,8 @@ pub fn time_joints(
     rows: Option<Py<PyAny>>,
     row_names: Option<Vec<String>>,
     ceiling: Option<Py<PyAny>>,
+    rates: Option<Py<PyAny>>,
+    rate_names: Option<Vec<String>>,
     start_speed: f64,
     end_speed: f64,
     grid: Option<usize>,
@@ -208,10 +211,13 @@ pub fn time_joints(
     let method = TopMethod::named(method).or_py(py)?;
     let windows = windowed(windows, duration).or_py(py)?;
     let options = TopOptions { method, start_speed, end_speed, grid, tolerance, check, windows, jerk, tighten };
-    let (rows_of, names, ceiling_of) = (rows, row_names.unwrap_or_default(), ceiling);
+    let (rows_of, names, ceiling_of, rates_of, rate_names) = (rows, row_names.unwrap_or_default(), ceiling, rates, rate_names.unwrap_or_default());
     let (result, raised) = py.detach(|| {
         let raised = RefCell::new(None);
-        let mut demands = Demands { names, ..Demands::default() };
+        let mut demands = Demands { names, rate_names, ..Demands::default() };
+        if let Some(callback) = &rates_of {
+            demands.rates = Some(Box::new(|s: &[f64]| call(callback, s, &raised, |answer| self::rows(answer, s.len()))));
+        }
         if let Some(callback) = &rows_of {
             demands.rows = Some(Box::new(|s: &[f64]| call(callback, s, &raised, |answer| self::rows(answer, s.len()))));
         }

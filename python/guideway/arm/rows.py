@@ -33,6 +33,10 @@ DIRECTIONS = 12
 so it is kept exactly and 0.9 % of it is given away at most."""
 
 
+RATE_ROOM = 1e-6
+"""Share of a limit of torque rate that is left for rounding: the certificate takes differences of torques."""
+
+
 def torque_coefficients(arm: Arm, path: Path, s: Floats) -> Rows:
     """Coefficients ``a, b, d, c`` (and ``g``, the part of gravity in ``c``) of the joint torques at places ``s`` (n,),
     each (n, joints), payload and friction included, N m."""
@@ -71,6 +75,28 @@ def torque_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
         return {key: found[key] for key in "abdc"} | {"low": -bound, "high": bound}
 
     return rows
+
+
+def rate_rows(arm: Arm, path: Path, limits: JointLimits) -> RowsOf:
+    """A callable ``rates(s)`` for the solver: the torques whose rate by time ``limits.torque_rate`` bounds, viscous friction and payload included;
+    Coulomb friction steps where a joint turns round, which no motion avoids, and is constant elsewhere, so it is left out."""
+    arm.need_inertials()
+    bound = limits.per_joint("torque_rate", arm.joints)
+    if bound is None:
+        raise BadParameter("limits.torque_rate is missing: N m/s, one value or one per joint")
+    bound = bound * (1 - RATE_ROOM)
+
+    def rates(s: Floats) -> Rows:
+        q, first, second = path.eval(np.asarray(s, float), 2)
+        found = coefficients_of(arm, q, first, second)
+        return {key: found[key] for key in "abd"} | {"c": found["g"], "low": -bound, "high": bound}
+
+    return rates
+
+
+def rate_names(arm: Arm) -> list[str]:
+    """Names of the rates of torque."""
+    return [f"torque rate of {name}" for name in arm.names]
 
 
 def torque_names(arm: Arm) -> list[str]:

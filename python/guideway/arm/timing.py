@@ -59,12 +59,11 @@ def time(
         rows_of.check_static(arm, given.path, asked)
     rows, names, ceiling = demands(arm, given.path, asked)
     smooth = (asked.jerk is not None or asked.torque_rate is not None) if jerk is None else jerk
-    solved = asked
-    if smooth and asked.jerk is None and asked.torque_rate is not None and arm is not None:
-        solved = replace(asked, jerk=_jerk_of_rate(arm, given, asked))
     began = perf_counter()
     words = {"start_speed": start_speed, "end_speed": end_speed, "grid": grid, "windows": [list(row) for row in windows] or None}
-    found, method = _solve(given, solved, method, smooth, (rows, names, ceiling), words)
+    if smooth and asked.torque_rate is not None and arm is not None:
+        words |= {"rates": rows_of.rate_rows(arm, given.path, asked), "rate_names": rows_of.rate_names(arm)}
+    found, method = _solve(given, asked, method, smooth, (rows, names, ceiling), words)
     motion = _motion(found, given, asked, arm, method, smooth)
     motion.report["seconds"] = perf_counter() - began
     if smooth and asked.torque_rate is not None and arm is not None:
@@ -95,25 +94,20 @@ def _solve(path: JointPath, asked: JointLimits, method: str, smooth: bool, deman
             raise first from None
 
 
-def _jerk_of_rate(arm: Arm, path: JointPath, asked: JointLimits, places: int = 60) -> list[float]:
-    """Joint jerks at which the joint's own inertia alone uses up the torque rate: what a limit of torque rate means where none of jerk is stated."""
-    q = path.path.eval(np.linspace(0.0, path.path.length, places))[0]
-    still, rate = np.zeros_like(q), asked.per_joint("torque_rate", arm.joints)
-    assert rate is not None
-    gravity = arm.rnea(q, still, still)
-    own = [np.max((arm.rnea(q, still, still + e) - gravity)[:, k]) for k, e in enumerate(np.eye(arm.joints))]
-    return (rate / np.maximum(own, 1e-9)).tolist()
-
-
 def _within_rate(motion: ArmMotion) -> ArmMotion:
-    """The motion slowed down as a whole until its torque rates are within their limit."""
+    """The last resort where the torques tell of steeper rates than the solver's: the motion slowed down as a whole until they are within their limit,
+    ``report["rate_slowed"]`` times in all."""
     from guideway.arm.certificate import worst_rate
 
+    slower = 1.0
     for _ in range(60):
         ratio = worst_rate(motion)
         if ratio <= 1:
             break
-        motion = motion.override(max(0.5, ratio ** (-1 / 3) * (1 - 1e-7)))
+        share = max(0.5, ratio ** (-1 / 3) * (1 - 1e-7))
+        slower /= share
+        motion = motion.override(share)
+    motion.report["rate_slowed"] = slower
     return motion
 
 

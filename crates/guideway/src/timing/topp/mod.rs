@@ -135,8 +135,11 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
         return Ok(empty);
     }
     let mut table = demands.rows.as_mut().map(|rows| Table::new(&course, &mut **rows)).transpose()?;
+    let rates = demands.rates.as_mut().filter(|_| options.jerk).map(|rates| Table::new(&course, &mut **rates)).transpose()?;
     let demands = &mut Demands {
         names: demands.names.clone(),
+        rate_names: demands.rate_names.clone(),
+        rates: None,
         rows: table.as_mut().map(|table| Box::new(|s: &[f64]| table.at(s)) as Box<RowsAt>),
         ceiling: demands.ceiling.as_mut().map(|ceiling| Box::new(|s: &[f64]| ceiling(s)) as Box<CeilingAt>),
     };
@@ -145,19 +148,23 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
     if !options.jerk {
         return Ok(motion);
     }
-    if bounds.jerk.iter().all(|j| j.is_infinite()) {
-        return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3"));
+    if bounds.jerk.iter().all(|j| j.is_infinite()) && rates.is_none() {
+        return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3, or of rates"));
     }
     let breaks = grid::breaks(&course, true);
-    let mut task = Task { course: &course, bounds: &bounds, demands, breaks, cells: options.grid, check: options.check };
+    let mut task = Task { course: &course, bounds: &bounds, demands, rates, breaks, cells: options.grid, check: options.check };
     // Places are found on spans of their own: where the path turns sharply those of a given grid are too long for it.
     let mut smooth = task.solve(&solved, &Grid::initial(&course, grid::WALK, false).spans)?;
     smooth.wait(&options.windows, path.length())?;
-    Ok(smoothed(&motion, smooth, &task.demands.names))
+    if !options.windows.is_empty() {
+        task.again(&mut smooth)?;
+        smooth.wait(&options.windows, path.length())?;
+    }
+    Ok(smoothed(&motion, smooth, &bounds, task.demands))
 }
 
 /// The second-order motion with its pieces replaced by the jerk-limited ones.
-fn smoothed(second: &JointMotion, smooth: Smooth, names: &[String]) -> JointMotion {
+fn smoothed(second: &JointMotion, smooth: Smooth, bounds: &limits::Bounds, demands: &Demands) -> JointMotion {
     let mut motion = second.clone();
     let states: Vec<[f64; 3]> = smooth
         .pieces
@@ -170,20 +177,25 @@ fn smoothed(second: &JointMotion, smooth: Smooth, names: &[String]) -> JointMoti
     motion.u = states.iter().map(|state| state[2]).collect();
     motion.mvc = motion.s.iter().map(|s| second.mvc_at(*s)).collect();
     motion.pieces = smooth.pieces;
+    let rate_name = |row: usize| demands.rate_names.get(row).cloned().unwrap_or_else(|| format!("rate of row {}", row + 1));
     let name = |k: usize| {
         let used = &smooth.used[(k / 2).min(smooth.used.len() - 1)];
-        let kind = (0..4).max_by(|i, j| used.share[*i].total_cmp(&used.share[*j])).unwrap_or(0);
+        let kind = (0..5).max_by(|i, j| used.share[*i].total_cmp(&used.share[*j])).unwrap_or(0);
         match (kind, used.owner[kind]) {
             (0, CEILING) => "ceiling".to_owned(),
-            (3, row) => row_name(names, row),
+            (3, row) => row_name(&demands.names, row),
+            (4, row) => rate_name(row),
             (kind, joint) => format!("{} of joint {}", ["speed", "acceleration", "jerk"][kind], joint + 1),
         }
     };
     motion.active = (0..motion.s.len()).map(name).collect();
     let all: f64 = smooth.prices.iter().sum();
     let lost = motion.duration() - second.duration();
-    motion.price =
-        smooth.prices.iter().enumerate().map(|(i, p)| (format!("jerk of joint {}", i + 1), if all > 0.0 { lost * p / all } else { 0.0 })).collect();
+    let price = |p: &f64| if all > 0.0 { lost * p / all } else { 0.0 };
+    let (jerks, rates) = smooth.prices.split_at(bounds.jerk.len());
+    let jerks = jerks.iter().enumerate().filter(|(i, _)| bounds.jerk[*i].is_finite());
+    motion.price = jerks.map(|(i, p)| (format!("jerk of joint {}", i + 1), price(p))).collect();
+    motion.price.extend(rates.iter().enumerate().map(|(r, p)| (rate_name(r), price(p))));
     motion.report.excess = smooth.used.iter().flat_map(|used| used.share).map(|share| share - 1.0).fold(0.0, f64::max);
     motion.report.steps = smooth.steps;
     motion.report.jerk_tightenings = smooth.tightenings;

@@ -30,6 +30,10 @@ pub struct Demands<'a> {
     pub rows: Option<Box<RowsAt<'a>>>,
     /// Bound of the squared path speed.
     pub ceiling: Option<Box<CeilingAt<'a>>>,
+    /// Names of the rates.
+    pub rate_names: Vec<String>,
+    /// Rows whose rate by time is limited, by `low < 0 < high`, where limits of jerk are kept: torque. Jumps of the rows do not count.
+    pub rates: Option<Box<RowsAt<'a>>>,
 }
 
 /// A limit on an interval: `low <= a u + b x + c + d sqrt(x + 2 way u + lift) <= high`, `x` at the start of the interval.

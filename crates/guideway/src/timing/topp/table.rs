@@ -16,6 +16,8 @@ const NODES: usize = 6;
 const NEAR: f64 = 0.999;
 /// Error of the polynomials, as a share of the largest value of their kind along the path.
 const ERROR: f64 = 1e-9;
+/// Step of differences on stretches without polynomials, as a share of the stretch.
+const STEP: f64 = 1e-2;
 /// Times that a stretch is halved.
 const HALVINGS: u32 = 9;
 /// Kinds of values: a, b, c, d, low, high.
@@ -77,6 +79,25 @@ impl Stretch {
         t
     }
 
+    /// Their derivatives.
+    fn slopes(&self, s: f64) -> [f64; NODES] {
+        let inverse = 2.0 / (self.to - self.from);
+        let z = (2.0 * s - self.from - self.to) / (self.to - self.from);
+        let mut u = [0.0, 1.0, 2.0 * z, 0.0, 0.0, 0.0];
+        for j in 3..NODES {
+            u[j] = 2.0 * z * u[j - 1] - u[j - 2];
+        }
+        // The derivative of a polynomial of the first kind is its degree times one of the second kind.
+        std::array::from_fn(|j| j as f64 * u[j] * inverse)
+    }
+
+    /// Two places nearby on the stretch.
+    fn beside(&self, s: f64) -> [f64; 2] {
+        let step = STEP * (self.to - self.from);
+        let inside = |s: f64| s.clamp(self.from + 0.1 * step, self.to - 0.1 * step);
+        [inside(s - step), inside(s + step)]
+    }
+
     fn halves(&self) -> Option<[Self; 2]> {
         let (middle, halved) = (0.5 * (self.from + self.to), self.halved + 1);
         let fits = halved <= HALVINGS && middle > self.from && middle < self.to;
@@ -131,7 +152,9 @@ fn coefficients(value: &dyn Fn(usize) -> f64) -> [f64; NODES] {
 /// The sum of polynomials weighted by the coefficients of a stretch.
 fn summed(values: &[f64], polynomials: &[f64; NODES], out: &mut [f64]) {
     let width = out.len();
-    out.copy_from_slice(&values[..width]);
+    for (out, value) in out.iter_mut().zip(&values[..width]) {
+        *out = polynomials[0] * value;
+    }
     for (t, values) in polynomials[1..].iter().zip(values[width..].chunks_exact(width)) {
         for (out, value) in out.iter_mut().zip(values) {
             *out += t * value;
@@ -165,39 +188,77 @@ impl<'a> Table<'a> {
         Ok(Self { rows, size, stretches, values })
     }
 
+    /// Rows per place.
+    pub fn count(&self) -> usize {
+        self.size.count
+    }
+
+    /// Length of the path.
+    pub fn length(&self) -> f64 {
+        self.stretches.last().map_or(0.0, |stretch| stretch.to)
+    }
+
     /// The rows at arc lengths.
     pub fn at(&mut self, s: &[f64]) -> Result<Rows, PlanError> {
+        let (mut out, direct) = self.read(s, Stretch::polynomials);
+        if !direct.is_empty() {
+            let places: Vec<f64> = direct.iter().map(|(i, _)| s[*i]).collect();
+            let found = (self.rows)(&places)?.checked(places.len())?;
+            for (from, (to, _)) in direct.into_iter().enumerate() {
+                copy(&mut out, to, &found, |values, r| values[from * found.count + r]);
+            }
+        }
+        Ok(out)
+    }
+
+    /// The derivatives of the rows by arc length, each from the side of its stretch; bounds have no meaning.
+    pub fn slopes(&mut self, s: &[f64]) -> Result<Rows, PlanError> {
+        let (mut out, direct) = self.read(s, Stretch::slopes);
+        if !direct.is_empty() {
+            let places: Vec<f64> = direct.iter().flat_map(|(i, k)| self.stretches[*k].beside(s[*i])).collect();
+            let found = (self.rows)(&places)?.checked(places.len())?;
+            for (n, (to, _)) in direct.into_iter().enumerate() {
+                let (from, inverse) = (2 * n * found.count, 1.0 / (places[2 * n + 1] - places[2 * n]));
+                copy(&mut out, to, &found, |values, r| (values[from + found.count + r] - values[from + r]) * inverse);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Sums of the polynomials of the stretches, and the places (with their stretches) that must be called for.
+    fn read(&self, s: &[f64], weights: impl Fn(&Stretch, f64) -> [f64; NODES]) -> (Rows, Vec<(usize, usize)>) {
         let (count, width) = (self.size.count, KINDS * self.size.count);
         let zeros = || vec![0.0; s.len() * count];
         let d = if self.size.rooted { zeros() } else { Vec::new() };
         let mut rows = Rows { count, a: zeros(), b: zeros(), c: zeros(), d, low: zeros(), high: zeros() };
-        if count == 0 {
-            return Ok(rows);
-        }
         let (mut sum, mut direct, mut k) = (vec![0.0; width], Vec::new(), 0);
+        if count == 0 {
+            return (rows, direct);
+        }
         for (i, s) in s.iter().enumerate() {
             if !(self.stretches[k].from <= *s && *s < self.stretches[k].to) {
                 k = self.stretches.partition_point(|stretch| stretch.from <= *s).max(1) - 1;
             }
             let stretch = &self.stretches[k];
             let Some(at) = stretch.index else {
-                direct.push(i);
+                direct.push((i, k));
                 continue;
             };
-            summed(&self.values[at..at + NODES * width], &stretch.polynomials(*s), &mut sum);
+            summed(&self.values[at..at + NODES * width], &weights(stretch, *s), &mut sum);
             for (out, sum) in kinds_mut(&mut rows).into_iter().zip(sum.chunks_exact(count)).filter(|(out, _)| !out.is_empty()) {
                 out[i * count..(i + 1) * count].copy_from_slice(sum);
             }
         }
-        if !direct.is_empty() {
-            let places: Vec<f64> = direct.iter().map(|i| s[*i]).collect();
-            let found = (self.rows)(&places)?.checked(places.len())?;
-            for (out, found) in kinds_mut(&mut rows).into_iter().zip(kinds(&found)).filter(|(out, found)| !out.is_empty() && !found.is_empty()) {
-                for (from, to) in direct.iter().enumerate() {
-                    out[to * count..(to + 1) * count].copy_from_slice(&found[from * count..(from + 1) * count]);
-                }
-            }
+        (rows, direct)
+    }
+}
+
+/// Fills the rows of place `to` with values of each kind.
+fn copy(out: &mut Rows, to: usize, found: &Rows, value: impl Fn(&[f64], usize) -> f64) {
+    let count = out.count;
+    for (out, found) in kinds_mut(out).into_iter().zip(kinds(found)).filter(|(out, found)| !out.is_empty() && !found.is_empty()) {
+        for (r, out) in out[to * count..(to + 1) * count].iter_mut().enumerate() {
+            *out = value(found, r);
         }
-        Ok(rows)
     }
 }

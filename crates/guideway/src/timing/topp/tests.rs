@@ -1,6 +1,7 @@
 use super::*;
 
 mod long;
+mod rates;
 
 /// A spline through random points, as benches draw them.
 pub(super) fn random_path(seed: u64, points: usize, joints: usize) -> Path {
@@ -274,7 +275,7 @@ fn rows_with_friction_hold_and_both_methods_agree() {
         let mut durations = Vec::new();
         for method in [TopMethod::Reachability, TopMethod::Bisection] {
             let mut demands =
-                Demands { names: vec!["torque of a mass".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 20.0)))), ceiling: None };
+                Demands { names: vec!["torque of a mass".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 20.0)))), ..Demands::default() };
             let options = TopOptions { method, ..TopOptions::default() };
             let motion = time_joints(&path, &usual(), &options, &mut demands).unwrap();
             assert!(motion.active.iter().any(|name| name == "torque of a mass"));
@@ -325,7 +326,7 @@ fn jerk_limited_motions_keep_rows() {
         let mut found = Vec::new();
         for jerk in [false, true] {
             let mut demands =
-                Demands { names: vec!["torque of a mass".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 20.0)))), ceiling: None };
+                Demands { names: vec!["torque of a mass".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 20.0)))), ..Demands::default() };
             let motion = time_joints(&path, &limits, &TopOptions { jerk, ..TopOptions::default() }, &mut demands).unwrap();
             for i in 0..20_000 {
                 let state = motion.at(motion.duration() * (f64::from(i) + 0.5) / 20_000.0);
@@ -350,7 +351,8 @@ fn static_overload_names_the_limit_and_the_place() {
         TopOptions { method: TopMethod::Bisection, ..TopOptions::default() },
         TopOptions { grid: Some(100), ..TopOptions::default() },
     ] {
-        let mut demands = Demands { names: vec!["torque of elbow".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 60.0)))), ceiling: None };
+        let mut demands =
+            Demands { names: vec!["torque of elbow".into()], rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, 60.0)))), ..Demands::default() };
         match time_joints(&path, &usual(), &options, &mut demands) {
             Err(PlanError::Infeasible { reason, .. }) => assert!(reason.contains("torque of elbow") && reason.contains("s = "), "{reason}"),
             other => panic!("{other:?}"),
@@ -375,7 +377,7 @@ fn hostile_limits_are_refused_and_nothing_to_do_is_done() {
     let motion = fastest(&still, &usual(), &TopOptions::default());
     assert_eq!((motion.duration(), motion.at(1.0).joints[0].clone()), (0.0, vec![1.0, 2.0, 3.0]));
     let mut broken =
-        Demands { names: vec![], rows: Some(Box::new(|s: &[f64]| Ok(Rows { a: vec![f64::NAN; s.len()], ..loaded(s, 1.0) }))), ceiling: None };
+        Demands { names: vec![], rows: Some(Box::new(|s: &[f64]| Ok(Rows { a: vec![f64::NAN; s.len()], ..loaded(s, 1.0) }))), ..Demands::default() };
     assert!(matches!(time_joints(&path, &usual(), &TopOptions::default(), &mut broken), Err(PlanError::BadParameter { .. })));
     for scale in [1e-9, 1e-3, 1e6] {
         let points: Vec<f64> = (0..18).map(|i| scale * f64::from(i * i % 7)).collect();

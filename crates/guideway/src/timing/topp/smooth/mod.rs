@@ -8,6 +8,7 @@
 mod barrier;
 mod lines;
 mod pieces;
+mod rates;
 mod reference;
 mod rows;
 mod turns;
@@ -17,14 +18,16 @@ use super::course::{Course, Span};
 use super::limits::Bounds;
 use super::problem::Demands;
 use super::solve::Solved;
+use super::table::Table;
 use super::windows::Window;
 use crate::error::PlanError;
 use crate::timing::Piece;
 use crate::timing::scurve::advance;
 use barrier::Barrier;
 use pieces::Walker;
+use rates::RATE;
 use reference::Reference;
-use rows::{Kinetic, Posed};
+use rows::{Called, Kinetic, Posed};
 use turns::Stretch;
 pub(super) use used::{CEILING, Used};
 
@@ -57,9 +60,9 @@ const EXTRA: f64 = 1e-3;
 /// A jerk-limited motion.
 pub(super) struct Smooth {
     pub pieces: Vec<Piece>,
-    /// Use of speed, acceleration, jerk and demands of every pair of pieces.
+    /// Use of speed, acceleration, jerk, demands and rates of every pair of pieces.
     pub used: Vec<Used>,
-    /// Sensitivity of the duration to each limit of jerk, s per relative change.
+    /// Sensitivity of the duration to each limit of jerk, then to each of rates, s per relative change.
     pub prices: Vec<f64>,
     /// Newton steps, rounds of tightening, factor of the slow-down at the end.
     pub steps: usize,
@@ -78,23 +81,29 @@ impl Smooth {
             }
             let time = self.pieces.last().map_or(0.0, |p| p.start() + p.duration());
             if time < window.earliest {
-                let factor = window.earliest / time;
-                pieces::slowed(&mut self.pieces, factor);
-                for u in &mut self.used {
-                    *u = u.slowed(factor);
-                }
+                self.slow(window.earliest / time);
             }
             window.met(time.max(window.earliest))?;
         }
         Ok(())
     }
+
+    /// The whole in slower time.
+    fn slow(&mut self, factor: f64) {
+        pieces::slowed(&mut self.pieces, factor);
+        for u in &mut self.used {
+            *u = u.slowed(factor);
+        }
+    }
 }
 
 /// What the problem of a stretch is made of.
-pub(super) struct Task<'a, 'd> {
+pub(super) struct Task<'a, 'd, 't> {
     pub course: &'a Course,
     pub bounds: &'a Bounds,
     pub demands: &'a mut Demands<'d>,
+    /// Rows whose rates by time are limited.
+    pub rates: Option<Table<'t>>,
     /// Where rows may jump: the breaks of the path, arc lengths.
     pub breaks: Vec<f64>,
     /// Cells, all stretches together.
@@ -102,18 +111,39 @@ pub(super) struct Task<'a, 'd> {
     pub check: usize,
 }
 
-impl Task<'_, '_> {
+impl Task<'_, '_, '_> {
     /// The jerk-limited motion along the whole path.
     pub fn solve(&mut self, solved: &Solved, spans: &[Span]) -> Result<Smooth, PlanError> {
         let total: f64 = solved.legs.iter().map(|leg| leg.duration).sum();
         let mut smooth =
             Smooth { pieces: Vec::new(), used: Vec::new(), prices: vec![0.0; self.bounds.jerk.len()], steps: 0, tightenings: 0, slowed: 1.0 };
         let all = self.cells.unwrap_or(CELLS) as f64;
+        smooth.prices.resize(self.bounds.jerk.len() + self.rates.as_ref().map_or(0, Table::count), 0.0);
         for stretch in turns::stretches(self.course, solved, total / all) {
             let cells = ((all * stretch.duration() / total).round() as usize).max(FEWEST);
             self.stretch(&stretch, (spans, cells), &mut smooth)?;
         }
         Ok(smooth)
+    }
+
+    /// Slows the whole down until the rates are kept: where gravity and inertia change the torque in opposite ways, a slower motion may need more.
+    /// # Errors
+    /// [`PlanError::CertificateFailed`] if they are not kept even so.
+    pub fn again(&mut self, smooth: &mut Smooth) -> Result<(), PlanError> {
+        let Some(table) = &mut self.rates else { return Ok(()) };
+        for _ in 0..SLOWINGS {
+            for used in &mut smooth.used {
+                (used.share[RATE], used.slower) = (0.0, 1.0);
+            }
+            rates::used(table, &smooth.pieces, self.check.div_ceil(2), &self.breaks, &mut smooth.used)?;
+            let slower = smooth.used.iter().map(|used| used.slower).fold(1.0, f64::max);
+            if slower <= 1.0 {
+                return Ok(());
+            }
+            smooth.slow(slower * (1.0 + ROOM));
+        }
+        let detail = "the limits of the rates of rows are exceeded by the motion slowed down for its windows".to_owned();
+        Err(PlanError::CertificateFailed { stage: "timing of the joints", detail })
     }
 
     /// One stretch from rest to rest, added to `smooth`.
@@ -122,11 +152,13 @@ impl Task<'_, '_> {
         let mut walker = Walker::new(self.course, spans, ends);
         let coarse = cells.min(COARSE);
         let mut posed = self.first(stretch, coarse, &mut walker);
-        let mut tight = vec![[1.0; 4]; posed.step.len()];
+        let mut tight = vec![[1.0; 5]; posed.step.len()];
         let mut best: Option<Told> = None;
-        let called = self.demands.rows.is_some();
+        let called = self.demands.rows.is_some() || self.rates.is_some();
+        let mut prices = smooth.prices.clone();
         for round in 0..ROUNDS {
-            posed.limits(self.bounds, &tight, self.demands, round > 0 && !called)?;
+            let asked = Called { demands: &mut *self.demands, rates: self.rates.as_mut() };
+            posed.limits(self.bounds, &tight, asked, round > 0 && !called)?;
             let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
             let [first, most] = if round == 0 { [FIRST, 0.95] } else { AGAIN };
             let Some(mut y) = posed.start(most) else { break };
@@ -134,8 +166,8 @@ impl Task<'_, '_> {
             let Some(pieces) = pieces::through(&posed.states(&y)) else { break };
             let told = self.told(pieces, self.check.min(FEW), &mut walker)?;
             smooth.tightenings += 1;
-            smooth.prices.fill(0.0);
-            posed.sensitivities(&y, LAST * per_cell, &mut smooth.prices);
+            prices.copy_from_slice(&smooth.prices);
+            posed.sensitivities(&y, LAST * per_cell, &mut prices);
             let good = told.slower <= 1.0 + if round < FEW_ROUNDS || called { GOOD } else { FAIR };
             let parts = if round == 0 { cells.div_ceil(coarse) } else { 1 };
             let (lengths, cells) = told.cells(parts);
@@ -146,7 +178,7 @@ impl Task<'_, '_> {
                     }
                 }
             } else {
-                tight = vec![[1.0; 4]; lengths.len()];
+                tight = vec![[1.0; 5]; lengths.len()];
             }
             if best.as_ref().is_none_or(|b| told.time * told.slower < b.time * b.slower) {
                 best = Some(told);
@@ -160,6 +192,7 @@ impl Task<'_, '_> {
             let reason = format!("no jerk-limited motion was found between s = {:.6} and {:.6} rad", ends[0], ends[1]);
             return Err(PlanError::Infeasible { reason, best_end_speed: None });
         };
+        smooth.prices = prices;
         let told = self.kept(told.pieces, &mut walker, smooth)?;
         let t0 = smooth.pieces.last().map_or(0.0, |p| p.start() + p.duration());
         smooth.pieces.extend(told.pieces.into_iter().map(|piece| piece.shifted(t0)));
@@ -178,13 +211,13 @@ impl Task<'_, '_> {
             }
             slowed *= told.slower;
             told = told.slow();
-            if self.demands.rows.is_none() {
+            if self.demands.rows.is_none() && self.rates.is_none() {
                 break;
             }
             told = self.told(told.pieces, count, walker)?;
         }
         smooth.slowed = smooth.slowed.max(slowed);
-        let excess = told.used.iter().map(|used| used.share[3] - 1.0).fold(0.0, f64::max);
+        let excess = told.used.iter().map(|used| used.share[3].max(used.share[RATE]) - 1.0).fold(0.0, f64::max);
         if excess > 1e-6 {
             let detail = format!("a limit other than those of the joints is exceeded by {excess:.1e} of its size by the jerk-limited motion");
             return Err(PlanError::CertificateFailed { stage: "timing of the joints", detail });
@@ -218,6 +251,9 @@ impl Task<'_, '_> {
     fn told(&mut self, pieces: Vec<Piece>, places: usize, walker: &mut Walker) -> Result<Told, PlanError> {
         let mut used = used::joints(walker, &pieces, self.bounds, places);
         used::demands(self.demands, &pieces, places, &self.breaks, &mut used)?;
+        if let Some(table) = &mut self.rates {
+            rates::used(table, &pieces, places, &self.breaks, &mut used)?;
+        }
         let slower = used.iter().map(Used::slower).fold(1.0, f64::max);
         let time = pieces.last().map_or(0.0, |p| p.start() + p.duration());
         Ok(Told { pieces, used, slower, time })

@@ -5,13 +5,18 @@
 
 use super::lines::{Lines, Place, Row};
 use super::pieces::{Moving, Walker};
+use super::rates::{RATE, Rates};
 use crate::error::PlanError;
 use crate::timing::topp::limits::Bounds;
 use crate::timing::topp::problem::{Demands, checked_ceiling, shrunk};
 use crate::timing::topp::rows::Rows;
+use crate::timing::topp::table::Table;
 
 /// Most that the reference may be sped up, squared.
 const MOST: f64 = 400.0;
+
+/// How far inside a cell the rows at its ends are read, as a share of the path.
+const ASIDE: f64 = 1e-12;
 
 /// A reference motion at the ends of a cell: arc length, path speed, acceleration, jerk.
 pub(super) type Kinetic = [f64; 4];
@@ -27,6 +32,14 @@ pub(super) struct Posed {
     /// First three derivatives of the joints by the time of the reference, end after end.
     shapes: Vec<f64>,
     joints: usize,
+    /// Limits of rates per place.
+    rates: usize,
+}
+
+/// What is called for besides the limits of joints.
+pub(super) struct Called<'a, 'd, 't> {
+    pub demands: &'a mut Demands<'d>,
+    pub rates: Option<&'a mut Table<'t>>,
 }
 
 impl Posed {
@@ -47,7 +60,7 @@ impl Posed {
             let third = q.first.iter().zip(&q.second).zip(&q.third);
             shapes.extend(third.map(|((first, second), third)| third * cube + second * mixed + first * j));
         }
-        Self { step, lines: Lines::default(), top: Vec::new(), cells, shapes, joints }
+        Self { step, lines: Lines::default(), top: Vec::new(), cells, shapes, joints, rates: 0 }
     }
 
     /// How the joints move at the start or the end of a cell.
@@ -70,12 +83,14 @@ impl Posed {
         Place { at, basis: [y, w, [0.0; 3]] }
     }
 
-    /// All limits; those of cells are divided by `tight` (speed, acceleration, jerk, rows called for). With `prune` without the rows of jerk that stay far
+    /// All limits; those of cells are divided by `tight` (speed, acceleration, jerk, rows called for, rates). With `prune` without the rows of jerk that stay far
     /// from their bounds when the reference is nearly the solution.
-    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 4]], demands: &mut Demands, prune: bool) -> Result<(), PlanError> {
+    pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 5]], asked: Called, prune: bool) -> Result<(), PlanError> {
         self.tops(bounds, tight);
         self.lines.clear();
-        let called = self.called(demands)?;
+        let rates = asked.rates.map(|table| self.rates(table)).transpose()?;
+        self.rates = rates.as_ref().map_or(0, Rates::count);
+        let called = self.called(asked.demands)?;
         let mut rows = Vec::new();
         for k in 0..self.step.len() - 1 {
             let [acceleration, demanded] = [1, 3].map(|kind| tight[k][kind].max(tight[k + 1][kind]));
@@ -88,12 +103,37 @@ impl Posed {
         }
         for (j, tight) in tight.iter().enumerate() {
             self.jerks(j, bounds, (tight[2], prune), &mut rows);
+            if let Some(rates) = &rates {
+                self.rated(j, rates, tight[RATE], &mut rows);
+            }
         }
         Ok(())
     }
 
+    /// Rows of rates at both ends of every cell, from within.
+    fn rates(&self, table: &mut Table) -> Result<Rates, PlanError> {
+        let aside = ASIDE * table.length();
+        let ends = |cell: &[Kinetic; 2]| {
+            let [from, to] = [cell[0][0], cell[1][0]];
+            let near = aside.min(0.5 * (to - from).max(0.0));
+            [from + near, to - near]
+        };
+        Rates::at(table, &self.cells.iter().flat_map(ends).collect::<Vec<f64>>())
+    }
+
+    /// Limits of rates on cell `j`, at its two ends.
+    fn rated(&mut self, j: usize, rates: &Rates, tight: f64, rows: &mut Vec<Row>) {
+        for (end, place) in self.ends(j).into_iter().enumerate() {
+            let [_, v, a, jerk] = self.cells[j][end];
+            let at = (2 * j + end) * rates.count();
+            rows.clear();
+            rows.extend((0..rates.count()).map(|r| Row { owner: 2 * self.joints + r, ..rates.limit(at + r, [v, a, jerk], tight) }));
+            self.lines.add(place, rows);
+        }
+    }
+
     /// Largest `y` of the cells.
-    fn tops(&mut self, bounds: &Bounds, tight: &[[f64; 4]]) {
+    fn tops(&mut self, bounds: &Bounds, tight: &[[f64; 5]]) {
         let fastest = |rates: &[f64]| rates.iter().zip(&bounds.speed).map(|(q, v)| (q / v) * (q / v)).fold(1.0 / MOST, f64::max);
         let n = self.step.len();
         self.top = vec![MOST; n];
@@ -205,7 +245,7 @@ impl Posed {
                 root: called.d.get(i).map_or(0.0, |d| d * v * inverse),
                 plain: [(called.a[i] * a + called.b[i] * v * v) * inverse, called.a[i] * v * inverse],
                 constant: (called.c[i] - centre) * inverse,
-                owner: 2 * self.joints + r,
+                owner: 2 * self.joints + self.rates + r,
                 ..Row::default()
             });
         }
@@ -232,9 +272,9 @@ impl Posed {
         states
     }
 
-    /// Adds what a relative change of each limit of jerk is worth, s.
+    /// Adds what a relative change of each limit of jerk, and of each rate, is worth, s.
     pub fn sensitivities(&self, y: &[f64], weight: f64, prices: &mut [f64]) {
-        let jerks = self.joints..2 * self.joints;
+        let jerks = self.joints..2 * self.joints + self.rates;
         self.lines.shares(y, |owner, g| {
             if jerks.contains(&owner) {
                 prices[owner - self.joints] += 2.0 * weight * g * g / (1.0 - g * g).max(1e-9);

@@ -12,24 +12,24 @@ use crate::timing::topp::rows::Rows;
 /// Owner of the use of a ceiling.
 pub(in crate::timing::topp) const CEILING: usize = usize::MAX;
 
-/// Use of the limits of speed, acceleration, jerk and of the rows called for on a pair of pieces: 1 is the bound.
+/// Use of the limits of speed, acceleration, jerk, of the rows called for and of the rates of rows on a pair of pieces: 1 is the bound.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::timing::topp) struct Used {
-    pub share: [f64; 4],
+    pub share: [f64; 5],
     /// The joint or the row that uses most of each.
-    pub owner: [usize; 4],
-    /// By how much the motion must become slower to keep the rows.
+    pub owner: [usize; 5],
+    /// By how much the motion must become slower to keep the rows and their rates.
     pub slower: f64,
 }
 
 impl Default for Used {
     fn default() -> Self {
-        Self { share: [0.0; 4], owner: [0; 4], slower: 1.0 }
+        Self { share: [0.0; 5], owner: [0; 5], slower: 1.0 }
     }
 }
 
 impl Used {
-    fn note(&mut self, kind: usize, share: f64, owner: usize) {
+    pub fn note(&mut self, kind: usize, share: f64, owner: usize) {
         if share > self.share[kind] {
             (self.share[kind], self.owner[kind]) = (share, owner);
         }
@@ -40,7 +40,7 @@ impl Used {
         self.slower.max(self.share[0]).max(self.share[1].sqrt()).max(self.share[2].cbrt())
     }
 
-    /// Of the motion slowed down by a factor; the rows stay as they are.
+    /// Of the motion slowed down by a factor; the rows and their rates stay as they are.
     pub fn slowed(mut self, factor: f64) -> Self {
         for (share, power) in self.share.iter_mut().take(3).zip(1..) {
             *share /= factor.powi(power);
@@ -128,7 +128,7 @@ impl Gauge {
 }
 
 /// When a piece reaches an arc length.
-fn reached(start: (f64, f64, f64), jerk: f64, duration: f64, s: f64) -> f64 {
+pub(super) fn reached(start: (f64, f64, f64), jerk: f64, duration: f64, s: f64) -> f64 {
     let (mut low, mut high) = (0.0, duration);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);

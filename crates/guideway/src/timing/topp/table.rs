@@ -16,8 +16,8 @@ const NODES: usize = 6;
 const NEAR: f64 = 0.999;
 /// Error of the polynomials, as a share of the largest value of their kind along the path.
 const ERROR: f64 = 1e-9;
-/// Step of differences on stretches without polynomials, as a share of the stretch.
-const STEP: f64 = 1e-2;
+/// Step of differences on stretches without polynomials, as a share of the stretch: they lie round turns far smaller than themselves.
+const STEP: f64 = 1e-4;
 /// Times that a stretch is halved.
 const HALVINGS: u32 = 9;
 /// Kinds of values: a, b, c, d, low, high.

@@ -44,6 +44,8 @@ const COARSE: usize = 250;
 /// Rounds, each in the time of the solution before; they end when the slow-down that is left is below `GOOD`, after some below `FAIR` if no rows are called
 /// for.
 const ROUNDS: usize = 7;
+/// Rounds with limits of rates: the reference may be far from their motion.
+const RATE_ROUNDS: usize = 12;
 const FEW_ROUNDS: usize = 3;
 const GOOD: f64 = 1e-3;
 const FAIR: f64 = 5e-3;
@@ -151,12 +153,12 @@ impl Task<'_, '_, '_> {
         let ends = stretch.ends;
         let mut walker = Walker::new(self.course, spans, ends);
         let coarse = cells.min(COARSE);
-        let mut posed = self.first(stretch, coarse, &mut walker);
+        let mut posed = self.first(stretch, coarse, &mut walker)?;
         let mut tight = vec![[1.0; 5]; posed.step.len()];
         let mut best: Option<Told> = None;
         let called = self.demands.rows.is_some() || self.rates.is_some();
         let mut prices = smooth.prices.clone();
-        for round in 0..ROUNDS {
+        for round in 0..if self.rates.is_some() { RATE_ROUNDS } else { ROUNDS } {
             let asked = Called { demands: &mut *self.demands, rates: self.rates.as_mut() };
             posed.limits(self.bounds, &tight, asked, round > 0 && !called)?;
             let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
@@ -226,9 +228,10 @@ impl Task<'_, '_, '_> {
     }
 
     /// The problem in the time of the averaged second-order motion, cells of equal length but at sharp turns.
-    fn first(&self, stretch: &Stretch, cells: usize, walker: &mut Walker) -> Posed {
+    fn first(&mut self, stretch: &Stretch, cells: usize, walker: &mut Walker) -> Result<Posed, PlanError> {
         let (duration, ends) = (stretch.duration(), stretch.ends);
-        let ramp = self.bounds.acceleration.iter().zip(&self.bounds.jerk).map(|(a, j)| a / j).filter(|w| w.is_finite()).fold(0.0, f64::max);
+        let rated = self.rates.as_mut().map_or(Ok(0.0), |table| rates::ramp(table, stretch))?;
+        let ramp = self.bounds.acceleration.iter().zip(&self.bounds.jerk).map(|(a, j)| a / j).filter(|w| w.is_finite()).fold(rated, f64::max);
         let ramp = if ramp > 0.0 { ramp.min(0.5 * duration) } else { 0.5 * duration };
         let even = (duration + ramp) / cells as f64;
         // The jerk of the reference grows from nothing in half of the first cell.
@@ -244,7 +247,7 @@ impl Task<'_, '_, '_> {
         cells[0][0][3] = cells[0][1][3];
         cells[last][1][3] = cells[last][0][3];
         cells[last][1][0] = ends[1];
-        Posed::new(times.windows(2).map(|w| w[1] - w[0]).collect(), cells, walker)
+        Ok(Posed::new(times.windows(2).map(|w| w[1] - w[0]).collect(), cells, walker))
     }
 
     /// Pieces and the use of the limits on them, by `places` places per piece.

@@ -5,6 +5,7 @@
 //! the second of viscous friction, the first of gravity.
 
 use super::lines::Row;
+use super::turns::Stretch;
 use super::used::Used;
 use crate::error::PlanError;
 use crate::timing::Piece;
@@ -89,6 +90,22 @@ fn closed([low, high]: [f64; 2]) -> [f64; 2] {
         (false, true) => [-1e3 * high, high],
         (false, false) => [-1e300, 1e300],
     }
+}
+
+/// How long the rates take, on average, to build up the path acceleration of the second-order motion, s.
+pub(super) fn ramp(table: &mut Table, stretch: &Stretch) -> Result<f64, PlanError> {
+    let (mut s, mut middles) = (stretch.ends[0], Vec::with_capacity(stretch.legs.len()));
+    for leg in stretch.legs {
+        let way = advance((0.0, leg.speed, leg.acceleration), leg.jerk, leg.duration).0;
+        middles.push(s + 0.5 * way);
+        s += way;
+    }
+    let rows = table.at(&middles)?;
+    let share = |i: usize| 2.0 * rows.a[i].abs() / (rows.high[i] - rows.low[i]);
+    let slowest = |k: usize| (k * rows.count..(k + 1) * rows.count).map(share).fold(0.0, f64::max);
+    let sum: f64 = stretch.legs.iter().enumerate().map(|(k, leg)| leg.duration * leg.acceleration.abs() * slowest(k)).sum();
+    let mean = sum / stretch.duration();
+    Ok(if mean.is_finite() { mean } else { 0.0 })
 }
 
 /// A place of a piece: arc length, where it is read, speed, acceleration, jerk.

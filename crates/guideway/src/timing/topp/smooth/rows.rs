@@ -15,6 +15,8 @@ use crate::timing::topp::table::Table;
 /// Most that the reference may be sped up, squared.
 const MOST: f64 = 400.0;
 
+/// Speeds tried for a start: limits of rates may ask for far less than the reference.
+const STARTS: usize = 2000;
 /// How far inside a cell the rows at its ends are read, as a share of the path.
 const ASIDE: f64 = 1e-12;
 
@@ -255,7 +257,7 @@ impl Posed {
     pub fn start(&self, most: f64) -> Option<Vec<f64>> {
         let lowest = self.top.iter().copied().fold(f64::INFINITY, f64::min);
         let first = 1.0f64.min(most * lowest);
-        let y = std::iter::successors(Some(first), |y| Some(most * y)).take(300).find(|y| self.lines.admits(*y, most))?;
+        let y = std::iter::successors(Some(first), |y| Some(most * y)).take(STARTS).find(|y| self.lines.admits(*y, most))?;
         Some(vec![y; self.top.len()])
     }
 

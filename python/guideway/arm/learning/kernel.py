@@ -26,16 +26,17 @@ def solve(s: Floats, ceiling: Floats, rows: tuple[Floats, Floats, Floats, Floats
     Where viscous friction takes the last of a torque, the greatest speed before a place may be one from which only a stop there is within the limits,
     and no torque is left to go on. Such speeds are lowered. Raises :class:`guideway.errors.Infeasible` where that does not help.
     """
+    at = 0.0
     for _ in range(EASINGS):
         x = _settled(s, ceiling, rows, low, high, guess)
         stands = (x[1:] <= 0) & (x[:-1] <= 0)
         if not stands.any():
             return x
+        at = float(s[int(np.argmax(stands))])
         before, after = np.append(stands[1:], False), np.append(False, stands[:-1])
         ceiling = ceiling.copy()
         ceiling[:-1][before] = EASED * x[:-1][before]
         ceiling[1:][after] = EASED * x[1:][after]
-    at = s[int(np.argmax(stands))]
     raise Infeasible(f"next to no torque is left at s = {at:.4f} rad of the path: no motion passes it within the limits")
 
 

@@ -94,7 +94,7 @@ def test_on_the_command_line(tmp_path, capsys):
     assert main(["plan", "scene:w0", "--out", str(out)]) == 0
     record = json.loads(out.read_text())
     assert record["query"]["clearance"] == 0.3
-    assert record["trajectory"]["limits"] == {key: value for key, value in gw.scenes.NOMINAL.to_dict().items() if key != "turn_acceleration"}
+    assert record["trajectory"]["limits"] == gw.scenes.NOMINAL.to_dict()
     assert main(["plan", "scene:w1", "--acceleration", "2", "--deceleration", "3", "--out", str(out)]) == 0
     assert json.loads(out.read_text())["trajectory"]["limits"]["deceleration"] == 3
     made = tmp_path / "layout.toml"

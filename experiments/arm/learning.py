@@ -28,10 +28,10 @@ import tables
 
 import guideway as gw
 from guideway.arm.learning import make_learner
-from guideway.arm.learning.dynamics import direction
 from guideway.arm.learning.loop import run
 from guideway.arm.learning.oracle import optimum
 from guideway.arm.learning.task import Task
+from guideway.arm.model import direction
 from guideway.plants.arm import IdealArm, Sensors, make_arm, usual_friction
 from guideway.plants.arm_friction import JointFriction
 

@@ -235,8 +235,21 @@ def test_hostile_descriptions_are_refused(tmp_path, parts, message):
 @pytest.mark.parametrize("text", ["<robot", "<html/>", "<robot name='x'/>", "<robot><link name='a'/><link name='b'/></robot>"])
 def test_what_is_no_robot_is_refused(tmp_path, text):
     (tmp_path / "x.urdf").write_text(text)
-    with pytest.raises(gw.BadFile):
+    with pytest.raises(gw.BadFile, match="valid XML|a <html>|no link|2 links hang on no joint"):
         gw.arm.Arm.load(tmp_path / "x.urdf")
+
+
+def test_a_joint_may_be_called_as_a_link_is_and_foreign_elements_are_left_alone(tmp_path):
+    path = written(tmp_path, inertial=INERTIAL + '<collision><verbose value="Yes"/></collision>')
+    plain = gw.arm.Arm.load(path, tip="one")
+    path.write_text(path.read_text().replace('<joint name="b"', '<joint name="two"').replace('<joint name="a"', '<joint name="one"'))
+    for tip, joints in (("one", ("one",)), ("two", ("one", "two"))):
+        arm = gw.arm.Arm.load(path, tip=tip)
+        assert arm.names == joints
+    q = np.array([0.4])
+    one = gw.arm.Arm.load(path, tip="one")
+    assert np.array_equal(one.forward(q), plain.forward(q))
+    assert np.array_equal(one.torques(q, q, q), plain.torques(q, q, q))
 
 
 def test_an_effort_of_zero_means_not_given(tmp_path):
@@ -281,6 +294,7 @@ def test_way_points_of_another_robot_are_refused(tmp_path, arm):
         ("0,0,0,0,0,1\n1,0,0,0,0,2\n", "no header"),
         (",".join(arm.names) + "\n0,0,0,0,0,nan\n1,0,0,0,0,1\n", "line 2, field wrist_3_joint"),
         (",".join(arm.names) + "\n0,0,0,0,0,0\n", "one way point"),
+        (",".join(arm.names[:5]) + "\n0,0,0,0,0\n1,0,0,0,0\n", "wrist_3_joint' has no column.*--tip"),
     ):
         path.write_text(text)
         with pytest.raises(gw.BadFile, match=message):

@@ -22,6 +22,9 @@ ROBOTS = {
 }
 """The arms that :func:`robot` knows, with a line each."""
 
+LINK = " (link)"
+"""What tells a link from a joint of the same name while a model is reduced."""
+
 
 def robot(name: str, *, estimated: bool = False, **options: Any) -> Arm:
     """An arm that ships with the package, one of :data:`ROBOTS`; ``options`` as in :meth:`guideway.arm.Arm.load`.
@@ -88,7 +91,14 @@ def _reduced(whole: Any, found: urdf.Description, driven: list[str]) -> Any:
     for name in locked:
         joint = found.joints[name]
         still[whole.joints[whole.getJointId(name)].idx_q] = min(max(0.0, joint.lower), joint.upper)
-    return pin.buildReducedModel(whole, [whole.getJointId(name) for name in locked], still)
+    # Pinocchio looks frames up by name alone here, and a joint may be called as a link is.
+    for frame in whole.frames:
+        if frame.type == pin.BODY:
+            frame.name += LINK
+    model = pin.buildReducedModel(whole, [whole.getJointId(name) for name in locked], still)
+    for frame in model.frames:
+        frame.name = frame.name.removesuffix(LINK)
+    return model
 
 
 def _coupling(model: Any, found: urdf.Description, driven: list[str]) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from guideway.arm.extra import pinocchio
-from guideway.arm.model import Arm, _frame
+from guideway.arm.model import Arm, frame_of
 from guideway.errors import BadParameter, NoPath
 
 if TYPE_CHECKING:
@@ -55,8 +55,8 @@ class Solver:
 
     def __init__(self, arm: Arm) -> None:
         self.arm, self.pin, self.model, self.data = arm, pinocchio(), arm.model, arm._data
-        self.index = _frame(arm.model, arm.tip)
-        base = arm.model.frames[_frame(arm.model, arm.base)]
+        self.index = frame_of(arm.model, arm.tip)
+        base = arm.model.frames[frame_of(arm.model, arm.base)]
         if base.parentJoint != 0:
             raise BadParameter(f"link {arm.base!r} moves with the arm: name a link that stands still as the frame of the poses")
         self.base = base.placement

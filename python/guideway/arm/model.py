@@ -146,7 +146,7 @@ class Arm:
         pin, matrix = pinocchio(), load.matrix()
         model = self._bare.copy()
         if load.mass > 0:
-            frame = model.frames[_frame(model, self.tip)]
+            frame = model.frames[frame_of(model, self.tip)]
             model.appendBodyToJoint(frame.parentJoint, pin.Inertia(load.mass, np.asarray(load.at, float), matrix), frame.placement)
         return replace(self, payload=load, model=model, _data=model.createData())
 
@@ -166,7 +166,7 @@ class Arm:
         index, data, model = self._index(frame), self._data, self.model
         pin = pinocchio()
         poses = np.empty((len(postures), 4, 4))
-        base = _frame(model, self.base)
+        base = frame_of(model, self.base)
         for k, full in enumerate(self._full(postures)):
             pin.forwardKinematics(model, data, full)
             pin.updateFramePlacement(model, data, base)
@@ -183,7 +183,7 @@ class Arm:
         postures, single = self._rows(q)
         index, data, model, couple = self._index(frame), self._data, self.model, self.coupling
         pin = pinocchio()
-        base, axes = _frame(model, self.base), pin.LOCAL_WORLD_ALIGNED
+        base, axes = frame_of(model, self.base), pin.LOCAL_WORLD_ALIGNED
         poses, found = np.empty((len(postures), 4, 4)), np.empty((len(postures), 6, self.joints))
         turns = np.empty((len(postures), 3, 3))
         for k, full in enumerate(self._full(postures)):
@@ -249,10 +249,11 @@ class Arm:
         return q @ self.coupling.T + self.offset
 
     def _index(self, frame: str | None) -> int:
-        return _frame(self.model, frame or self.tip)
+        return frame_of(self.model, frame or self.tip)
 
 
-def _frame(model: Any, link: str) -> int:
+def frame_of(model: Any, link: str) -> int:
+    """The number of a link's frame in the model, which may have a joint of the same name; raises ``BadParameter`` for a link that is not there."""
     pin = pinocchio()
     if not model.existFrame(link, pin.BODY):
         known = [frame.name for frame in model.frames if frame.type == pin.BODY]

@@ -159,14 +159,17 @@ def load_way_points(path: str | os.PathLike[str], names: tuple[str, ...] | None 
         raise BadFile(where, f"the first line {show(first)} is no header", allowed, "Add a first line with the names of the joints")
     if len(set(header)) != len(header) or not all(header):
         raise BadFile(where, f"the header is {show(first)}", "different names of joints, separated by commas", "Correct the first line")
-    if names is not None and set(header) != set(names):
-        strange = [title for title in header if title not in names] or [f"(missing) {title}" for title in names if title not in header]
-        raise BadFile(where, f"joint {show(strange[0])} is not of this robot", ", ".join(names), "Name the joints of the robot of --urdf")
+    names = names or header
+    for title in header:
+        if title not in names:
+            raise BadFile(where, f"joint {show(title)} is not of this robot", ", ".join(names), "Name the joints of the robot of --urdf")
+    for title in names:
+        if title not in header:
+            raise BadFile(where, f"joint {show(title)} has no column", ", ".join(names), "Add it, or name another link that is moved (--tip)")
     table = np.array(parse_csv(where, text, header))
     if len(table) < 2:
         raise BadFile(where, "there is one way point", "at least two", "Add the others")
-    order = [header.index(title) for title in names] if names is not None else list(range(len(header)))
-    return np.ascontiguousarray(table[:, order]), names or header
+    return np.ascontiguousarray(table[:, [header.index(title) for title in names]]), names
 
 
 def _number(text: str) -> float | None:

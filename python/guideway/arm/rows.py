@@ -16,7 +16,7 @@ import numpy as np
 
 from guideway.arm.extra import pinocchio
 from guideway.arm.limits import JointLimits
-from guideway.arm.model import Arm, _frame, direction
+from guideway.arm.model import Arm, direction, frame_of
 from guideway.errors import BadParameter, Infeasible
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def check_static(arm: Arm, path: Path, limits: JointLimits, count: int = 400) ->
 def tip_derivatives(arm: Arm, path: Path, s: Floats) -> tuple[Floats, Floats]:
     """First and second derivative of the tip's position by the path's arc length at places ``s`` (n,), each (n, 3), m/rad and m/rad2."""
     pin, model, data, couple = pinocchio(), arm.model, arm._data, arm.coupling
-    index = _frame(model, arm.tip)
+    index = frame_of(model, arm.tip)
     q, first, second = path.eval(s, 2)
     one, two = np.empty((len(s), 3)), np.empty((len(s), 3))
     frame = pin.LOCAL_WORLD_ALIGNED

@@ -14,7 +14,7 @@ import numpy as np
 from guideway.arm import urdf
 from guideway.arm.extra import coal
 from guideway.arm.meshes import load_stl
-from guideway.arm.model import Arm, _frame
+from guideway.arm.model import Arm, frame_of
 from guideway.errors import BadFile, BadParameter
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def _link_shape(arm: Arm, title: str, link: str, collision: Element, path: str) 
     origin, geometry = collision.find("origin"), collision.find("geometry")
     at, rpy = ([float(x) for x in ((origin.get(key) if origin is not None else None) or "0 0 0").split()] for key in ("xyz", "rpy"))
     solid, hull, radius = _geometry(geometry, f"{path}, link {link}", os.path.dirname(path))
-    frame = arm.model.frames[_frame(arm.model, link)]
+    frame = arm.model.frames[frame_of(arm.model, link)]
     pose = frame.placement.homogeneous @ pose_of(at, rpy)
     return Shape(title, int(frame.parentJoint), pose, solid, hull, radius, "arm")
 
@@ -190,7 +190,7 @@ class Scene:
 
     def solids(self, arm: Arm) -> list[Shape]:
         """The shapes of the scene and of the tool."""
-        tip = arm.model.frames[_frame(arm.model, arm.tip)]
+        tip = arm.model.frames[frame_of(arm.model, arm.tip)]
         found: list[Shape] = []
         for part, records in (("scene", self.shapes), ("tool", self.tool)):
             for number, record in enumerate(records):

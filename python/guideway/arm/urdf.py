@@ -13,6 +13,16 @@ from guideway.io.files import load, name, show
 MOVING = ("revolute", "continuous", "prismatic")
 """Kinds of joints that are driven."""
 
+NUMERIC = {
+    "origin": ("xyz", "rpy"),
+    "axis": ("xyz",),
+    "limit": ("lower", "upper", "velocity", "effort"),
+    "mass": ("value",),
+    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
+    "mimic": ("multiplier", "offset"),
+}
+"""Attributes that hold numbers, by element."""
+
 TURNS = 1e4
 """Joint range that stands for "no limit" in the model of a continuous joint, rad."""
 
@@ -91,12 +101,12 @@ def _named(where: str, element: ElementTree.Element) -> str:
 
 
 def _finite(where: str, robot: ElementTree.Element) -> None:
-    """Refuses numbers that are no finite numbers, wherever they stand."""
-    numeric = {"xyz", "rpy", "lower", "upper", "velocity", "effort", "value", "ixx", "ixy", "ixz", "iyy", "iyz", "izz", "multiplier", "offset"}
+    """Refuses numbers that are no finite numbers, wherever they stand; elements that others have added are theirs."""
     for owner in (*robot.findall("link"), *robot.findall("joint")):
         for element in owner.iter():
-            for key, text in element.attrib.items():
-                if key in numeric and not all(_is_number(part) for part in text.split()):
+            for key in NUMERIC.get(element.tag, ()):
+                text = element.get(key, "")
+                if not all(_is_number(part) for part in text.split()):
                     at = f"{where}, {owner.tag} {owner.get('name')}, {element.tag} {key}"
                     raise BadFile(at, f"{show(text)} cannot be used", "finite numbers", "Correct the file")
 
@@ -145,6 +155,8 @@ def _one_tree(where: str, links: dict[str, ElementTree.Element], joints: dict[st
         children.add(joint.child)
         if joint.mimic and (joint.mimic[0] not in joints or joints[joint.mimic[0]].mimic):
             raise BadFile(f"{where}, joint {joint.name}", f"it follows {show(joint.mimic[0])}", "a driven joint of this file", "Correct the name")
+    if not links:
+        raise BadFile(where, "there is no link", "a robot with links and joints", "Expand xacro files first, with the macros they call")
     if len(links) - len(children) != 1:
         raise BadFile(
             where, f"{len(links) - len(children)} links hang on no joint", "one root", "Join the parts, or take those away that are not needed"

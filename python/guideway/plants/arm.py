@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import Dynamics, Rows, direction
+from guideway.arm.learning.dynamics import Dynamics, Rows
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion, Sampled
 from guideway.arm.learning.task import Task
-from guideway.arm.model import REFERENCE_FRICTION, Arm
+from guideway.arm.model import REFERENCE_FRICTION, Arm, direction
 from guideway.errors import BadParameter
 from guideway.plants.arm_friction import JointFriction
 

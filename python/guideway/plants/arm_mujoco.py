@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from guideway.arm.extra import pinocchio
-from guideway.arm.learning.dynamics import Rows, direction
+from guideway.arm.learning.dynamics import Rows
 from guideway.arm.learning.log import Log
 from guideway.arm.learning.motion import Motion, Sampled
 from guideway.arm.learning.task import Task
-from guideway.arm.model import Arm
+from guideway.arm.model import Arm, direction
 from guideway.errors import GuidewayError
 from guideway.plants.arm import IdealArm, Sensors, safety_stop
 from guideway.plants.arm_friction import JointFriction

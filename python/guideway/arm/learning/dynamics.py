@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from guideway.arm.extra import pinocchio
-from guideway.arm.model import STILL
+from guideway.arm.model import direction, frame_of
 from guideway.arm.rows import coefficients_of
 
 if TYPE_CHECKING:
@@ -53,18 +53,13 @@ class Rows:
         return Rows(*((part * parameters).sum(-1) for part in (self.a, self.b, self.d, self.c)))
 
 
-def direction(q1: Floats) -> Floats:
-    """Which way each joint moves along the path: -1, 0 or 1."""
-    return np.where(np.abs(q1) > STILL, np.sign(q1), 0.0)
-
-
 class Dynamics:
     """Rows of the nominal arm, and of what is unknown about it."""
 
     def __init__(self, arm: Arm) -> None:
         arm.need_inertials()
         self.arm, self.joints, self._data = arm, arm.joints, arm.model.createData()
-        carrier = arm.model.frames[arm.model.getFrameId(arm.tip)].parentJoint
+        carrier = arm.model.frames[frame_of(arm.model, arm.tip)].parentJoint
         self._columns = slice(PAYLOAD * (carrier - 1), PAYLOAD * carrier)
 
     @property

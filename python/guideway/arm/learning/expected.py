@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import direction
 from guideway.arm.learning.motion import Sampled
 from guideway.arm.learning.unknown import COULOMB, SPEEDS, Along
+from guideway.arm.model import direction
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import direction
 from guideway.arm.learning.log import Log
+from guideway.arm.model import direction
 
 Floats = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import direction
 from guideway.arm.learning.log import Log, smooth
 from guideway.arm.learning.measured import measured
 from guideway.arm.learning.task import Task
 from guideway.arm.learning.unknown import Unknown
+from guideway.arm.model import direction
 
 Floats = NDArray[np.float64]
 

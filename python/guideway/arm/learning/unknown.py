@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from guideway.arm.learning.dynamics import OF_A_JOINT, PAYLOAD, Rows, direction
+from guideway.arm.learning.dynamics import OF_A_JOINT, PAYLOAD, Rows
+from guideway.arm.model import direction
 
 if TYPE_CHECKING:
     from guideway.arm.learning.task import Task

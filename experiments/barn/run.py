@@ -51,6 +51,7 @@ class Part:
     controller: str
     set: str
     mover_speed: float | None = None
+    plan_time: float = 0.0
 
 
 @cache
@@ -85,6 +86,7 @@ def run(part: Part) -> Row:
     drive.arrival, drive.stop_at_goal = scene.query.arrival, scene.query.stop
     drive.sense, drive.lidar, drive.map = "lidar", scene.lidar.to_dict(), part.map
     drive.mover_speed = scene.mover_speed if part.mover_speed is None else part.mover_speed
+    drive.plan_time = part.plan_time
     if part.controller:
         drive.controller = part.controller
     drive.set = json.loads(part.set)
@@ -231,16 +233,17 @@ def main() -> None:
     parser.add_argument("--controller", default="", metavar="NAME")
     parser.add_argument("--set", default="{}", metavar="JSON", help="parameters of the controller")
     parser.add_argument("--mover-speed", type=float, metavar="V", help="top speed of what moves, m/s (default: that of the collection)")
+    parser.add_argument("--plan-time", type=float, default=0.0, metavar="S", help="how long new plans take, s")
     parser.add_argument("--workers", type=int, default=multiprocessing.cpu_count(), metavar="N")
     parser.add_argument("--out", type=Path, default=Path("experiments/results/barn"), metavar="FOLDER")
     parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
     asked = parser.parse_args()
     file = str(find_collection(asked.collection, asked.worlds))
     worlds = asked.only or world_numbers(file)[:: asked.every]
-    parts = [
-        Part(file, asked.collection, w, s, asked.map, asked.controller, asked.set, asked.mover_speed) for s in range(asked.seeds) for w in worlds
-    ]
-    rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}.jsonl", asked.workers)
+    kind = (asked.map, asked.controller, asked.set, asked.mover_speed, asked.plan_time)
+    parts = [Part(file, asked.collection, w, s, *kind) for s in range(asked.seeds) for w in worlds]
+    late = f"-{asked.plan_time:g}" if asked.plan_time else ""
+    rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}{late}.jsonl", asked.workers)
     line = summary(f"{asked.collection}, {asked.map}", rows)
     print(f"{HEAD}\n{line}")
     for row in rows:

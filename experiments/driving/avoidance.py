@@ -1,11 +1,13 @@
 """500 random rooms with crossing movers: the improved window beside the classic one, and the default controller under its guarantee.
 
 python experiments/driving/avoidance.py [--scenes 500] [--workers 2] [--out avoidance.jsonl]    # resumes; prints the tables
+python experiments/driving/avoidance.py --cases default --scenes 100 --plan-times 0 0.05 0.2 --out waiting.jsonl    # new plans take time
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import multiprocessing
@@ -50,17 +52,25 @@ def driven_into(run: Row, scene: gw.scenes.RoomScene) -> bool:
     return not mover.appears and after < before
 
 
-def driven(task: tuple[int, str]) -> Row:
+def driven(task: tuple[int, str, float]) -> Row:
     """One drive."""
-    seed, case = task
+    seed, case, wait = task
     controller, settings, robot = CASES[case]
     scene = gw.scenes.crossings(seed, robot)
     path = gw.plan(scene.query("static")).path
     motion = gw.time(gw.refine(path, scene.query("static"), "smooth").path, scene.limits)
     limit = 4 * motion.duration
-    run = gw.drive(scene.query(), motion, controller, set=settings, seed=seed, arrival=0.2, time_limit=limit)
+    run = gw.drive(scene.query(), motion, controller, set=settings, seed=seed, arrival=0.2, time_limit=limit, plan_time=wait)
     hit = run["collision"]
-    row = {"seed": seed, "case": case, "outcome": run["outcome"], "time": run["time"], "planned": motion.duration, "replans": run["replans"]}
+    row = {
+        "seed": seed,
+        "case": case,
+        "outcome": run["outcome"],
+        "time": run["time"],
+        "planned": motion.duration,
+        "replans": run["replans"],
+        "plan_time": wait,
+    }
     row |= {"moving": bool(hit and not hit["unavoidable"]), "parked": bool(hit and hit["unavoidable"]), "with": hit and hit["with"]}
     row |= {"into": bool(hit and driven_into(run, scene)), "length": run["tracking"]["length"], "still": run["separation"]["static"]}
     row |= {"deviation": measures.deviation(run, scene.query()), "separation": run["separation"]["movers"], "step": run["step_seconds"]["p50"]}
@@ -104,6 +114,20 @@ def report(rows: list[Row]) -> str:
     if way:
         lines += ["", f"default, where a way exists: arrived {wilson(sum(r['outcome'] == 'arrived' for r in way), len(way))}"]
         lines += [f"not arrived: {[(r['seed'], r['outcome']) for r in way if r['outcome'] != 'arrived']}"]
+    return "\n".join(lines) + "\n"
+
+
+def waiting(rows: list[Row], times: list[float]) -> str:
+    """What becomes of the same scenes where plans take time; the first is what the others are compared with, where both arrive."""
+    lines = ["| case | a new plan takes, s | arrived | hit while moving | hit while parked | new plans | mean time, s | more than the first, s |"]
+    lines += ["|---" * 8 + "|"]
+    for case in dict.fromkeys(r["case"] for r in rows):
+        by = {t: {r["seed"]: r for r in rows if r["case"] == case and r["plan_time"] == t} for t in times}
+        for t, all_ in by.items():
+            there = {s: r["time"] for s, r in all_.items() if r["outcome"] == "arrived"}
+            both = [seconds - by[times[0]][s]["time"] for s, seconds in there.items() if by[times[0]].get(s, {}).get("outcome") == "arrived"]
+            counts = " | ".join(wilson(k, len(all_)) for k in (len(there), *(sum(r[hit] for r in all_.values()) for hit in ("moving", "parked"))))
+            lines += [f"| {case} | {t:g} | {counts} | {sum(r['replans'] for r in all_.values())} | {mean([*there.values()], 2)} | {mean(both, 2)} |"]
     return "\n".join(lines) + "\n"
 
 
@@ -157,19 +181,24 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--cases", nargs="*", default=list(CASES))
+    parser.add_argument("--plan-times", nargs="+", type=float, default=[0.0], metavar="S", help="how long new plans take, s")
     parser.add_argument("--out", type=Path, default=Path("avoidance.jsonl"))
     parser.add_argument("--docs", action="store_true", help="put the tables into docs/experiments.md")
     given = parser.parse_args()
     lines = given.out.read_text().splitlines() if given.out.exists() else []
     rows: list[Row] = [json.loads(line) for line in lines]
-    done = {(r["seed"], r["case"]) for r in rows}
-    tasks = [(s, c) for s in range(given.scenes) for c in given.cases if (s, c) not in done]
+    done = {(r["seed"], r["case"], r.setdefault("plan_time", 0.0)) for r in rows}
+    tasks = [task for task in itertools.product(range(given.scenes), given.cases, given.plan_times) if task not in done]
     with multiprocessing.get_context("spawn").Pool(given.workers) as pool, given.out.open("a") as out:
         for row in tqdm(pool.imap_unordered(driven, tasks), total=len(tasks), disable=None):
             out.write(json.dumps(row) + "\n")
             out.flush()
             rows.append(row)
-    text = report([r for r in rows if r["case"] in given.cases])
+    rows = [r for r in rows if r["case"] in given.cases]
+    if given.plan_times != [0.0]:
+        print(waiting(rows, given.plan_times))
+        return
+    text = report([r for r in rows if r["plan_time"] == 0.0])
     print(text)
     if given.docs:
         write_docs(text, given.cases)

@@ -457,6 +457,7 @@ def drive(
     trace: bool = False,
     speed_map: SpeedMap | None = None,
     mover_speed: float | None = None,
+    plan_time: float = 0.0,
 ) -> dict[str, Any]: ...
 
 @final
@@ -472,7 +473,10 @@ class SpeedMap:
 
 @final
 class Pilot:
-    """Drives a robot along a motion in a control loop of your own: perception, planning and control behind :meth:`step`."""
+    """Drives a robot along a motion in a control loop of your own: perception, planning and control behind :meth:`step`.
+
+    A step that needs a plan makes it. With ``wait=False`` no step does: where ``plan_due`` is true another thread is to call :meth:`plan`.
+    """
 
     def __new__(
         cls,
@@ -487,7 +491,15 @@ class Pilot:
         map: str = "known",
         speed_map: SpeedMap | None = None,
         mover_speed: float | None = None,
+        wait: bool = True,
     ) -> Pilot: ...
+    @property
+    def plan_due(self) -> bool:
+        """Does the last step ask for a plan that nobody has begun with? Only with ``wait=False``."""
+
+    def plan(self) -> bool:
+        """Makes the plan that is due, if one is, in the thread that calls; steps go on meanwhile. True if one was made, whatever came of it."""
+
     def step(
         self,
         time: float,

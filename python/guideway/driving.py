@@ -27,7 +27,7 @@ SAME = 1e-6
 
 @dataclass
 class Drive:
-    """Everything that decides a run; ``arrival`` in m, ``time_limit`` in s."""
+    """Everything that decides a run; ``arrival`` in m, ``time_limit`` and ``plan_time`` in s."""
 
     query: _core.Query
     trajectory: _core.Trajectory
@@ -48,6 +48,7 @@ class Drive:
     keep_out: list[str] = field(default_factory=list)
     speed_mask: str | None = None
     mover_speed: float | None = None
+    plan_time: float = 0.0
 
 
 def drive(
@@ -68,6 +69,7 @@ def drive(
     observe: jobs.Observer | None = None,
     trace: bool = False,
     mover_speed: float | None = None,
+    plan_time: float = 0.0,
 ) -> dict[str, Any]:
     """Drives ``trajectory`` among the movers of the query's world; returns the record of ``run.json``.
 
@@ -76,14 +78,15 @@ def drive(
     "truth" or "lidar", a simulated one whose scans are all that is seen (``lidar``: ``beams``, ``field_of_view`` in rad, ``range`` and ``noise``
     in m, ``rate`` in Hz); with ``map`` "none" the robot knows the bounds of the world and what its lidar has seen (:func:`unseen` is the world to
     plan the first motion in). ``mover_speed`` is the top speed (m/s) of whatever moves on the site, which no scan can tell: by default it is guessed
-    from each track. ``plant`` is what is driven, one of
+    from each track. ``plan_time`` (s) is how long a new plan takes: it is made from what is known when it is asked for and driven so much later; with
+    0 the world stands still while the planner works. ``plant`` is what is driven, one of
     :data:`guideway.plants.PLANTS` or an object of your own (:class:`guideway.plants.Plant`); what that raises is raised. With ``trace`` the record
     holds what reports show of single steps.
     """
     limits = Limits(**trajectory.limits)
     asked = Drive(query, trajectory, limits, controller, planner, dict(set or {}), seed, arrival, stop_at_goal, time_limit)
     asked.sense, asked.lidar, asked.map, asked.observe, asked.trace = sense, dict(lidar or {}), map, observe, trace
-    asked.plant, asked.mover_speed = plant, mover_speed
+    asked.plant, asked.mover_speed, asked.plan_time = plant, mover_speed, plan_time
     return run(asked)
 
 
@@ -110,6 +113,7 @@ def run(drive: Drive, folder: str | os.PathLike[str] = ".") -> dict[str, Any]:
         trace=drive.trace,
         speed_map=_speed_map(drive),
         mover_speed=drive.mover_speed,
+        plan_time=drive.plan_time,
     )
     held = {} if plant is None or drive.limits == asked else {"limits": {"asked": asked.to_dict(), "held": drive.limits.to_dict()}}
     return record(drive, raw, folder) | {"plant": plants.report_of(plant) | held}
@@ -198,6 +202,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
     """The record of ``run.json`` from what the core returned."""
     world = drive.query.world
     known = [value for value in raw["min_separation"].values() if value is not None]
+    slowest = raw["step_seconds"]["p99"]
     return {
         "guideway": _core.__version__,
         "schema": 1,
@@ -210,6 +215,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "lidar": drive.lidar or None,
         "map": drive.map,
         "mover_speed": drive.mover_speed,
+        "plan_time": drive.plan_time,
         "world": jobs.world_record(world, folder, drive.keep_out),
         "query": jobs.query_record(drive.query) | {"arrival": drive.arrival},
         "robot": {"footprint": drive.query.footprint} | drive.limits.to_dict(),
@@ -226,7 +232,7 @@ def record(drive: Drive, raw: dict[str, Any], folder: str | os.PathLike[str]) ->
         "separation": raw["min_separation"],
         "forbidden": raw["forbidden"],
         "emergency_stops": raw["emergency_stops"],
-        "step_seconds": raw["step_seconds"],
+        "step_seconds": raw["step_seconds"] | {"real_time_factor": raw["period"] / slowest if slowest > 0.0 else None},
         "plan_seconds": raw["plan_seconds"],
         "tracking": raw["tracking"],
         "energy": raw["energy"],

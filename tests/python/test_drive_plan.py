@@ -116,9 +116,29 @@ def test_edited_plans_are_refused(room, capsys):
         assert "edited.json" in error
 
 
-def test_the_summary_tells_how_long_plans_took(room):
+def test_the_summary_tells_how_long_plans_and_steps_took(room):
     main(["drive", "plan.json", "--controller", "tracker", "--time-limit", "1", "--out", "run.json"])
     run = json.loads((room / "run.json").read_text())
+    steps = run["step_seconds"]
+    assert steps["real_time_factor"] == pytest.approx(0.02 / steps["p99"])
+    assert "(99 %: 0.500 ms, 40 x real time)" in summary(run | {"step_seconds": steps | {"p99": 5e-4, "real_time_factor": 40.0}})
     none, some = ({"mean": x, "p50": x, "p95": x, "p99": 2 * x} for x in (0.0, 0.04))
     assert "planning" not in summary(run | {"plan_seconds": none})
-    assert "visibility, 40.0 ms a plan (99 %: 80.0 ms)" in summary(run | {"plan_seconds": some})
+    assert "visibility, 40.0 ms a plan (99 %: 80.0 ms), for which the simulation stood still" in summary(run | {"plan_seconds": some})
+    assert "each driven 0.3 s after it was asked for" in summary(run | {"plan_seconds": some, "plan_time": 0.3})
+
+
+def test_plans_may_take_time(room):
+    scene = SCENE.replace("[robot]", "[[mover]]\nshape = { disc = 0.3 }\npath = [[2, 3.2], [2, 3.2]]\nspeed = 1\nappears = { at = 1.0 }\n[robot]")
+    (room / "parked.toml").write_text(scene.replace("goal = [5.4, 2.1]", "goal = [2, 3.1]").replace("stop = false", ""))
+    runs = []
+    for wait in ("0", "0.4"):
+        main(["drive", "parked.toml", "--plan-time", wait, "--out", "run.json"])
+        runs.append(json.loads((room / "run.json").read_text()))
+        jsonschema.validate(runs[-1], gw.schemas.load("run"))
+        assert runs[-1]["plan_time"] == float(wait)
+    at_once, later = ([event for event in run["events"] if event["kind"] in ("asked", "no-plan", "replan")] for run in runs)
+    assert at_once
+    assert {event["kind"] for event in at_once} <= {"no-plan", "replan"}
+    assert later[0]["kind"] == "asked"
+    assert later[1]["t"] - later[0]["t"] == pytest.approx(0.4, abs=1e-6)

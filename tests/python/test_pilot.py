@@ -1,6 +1,7 @@
 """A control loop of one's own: the pilot drives a kinematic robot that is written here."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -130,3 +131,30 @@ def test_tracks_that_make_no_sense_are_refused():
             pilot.step(0.0, (1, 3, 0), 0, 0, tracks=[track])
     with pytest.raises(BadParameter, match="lidar"):
         pilot.step(0.0, (1, 3, 0), 0, 0, scan=[1.0])
+
+
+def test_plans_can_be_made_in_another_thread():
+    query, trajectory = motion(gw.World(**ROOM))
+    parked = {"position": (5.0, 3.0), "shape": {"disc": 0.4}}
+    pilot = gw.Pilot(query, trajectory, "tracker", wait=False)
+    base, made = Base(1.0, 3.0), []
+    for k in range(600):
+        step = pilot.step(0.05 * k, base.pose, base.v, base.w, tracks=[parked])
+        base.move(step["v"], step["w"])
+        assert pilot.replans == len(made), "a step after"
+        if pilot.plan_due:
+            assert not step["replanned"]
+            assert [event["kind"] for event in step["events"]][-1] == "asked"
+            with ThreadPoolExecutor(1) as other:
+                made.append(other.submit(pilot.plan).result())
+    assert made == [True] * len(made)
+    assert made
+    assert not pilot.plan(), "nothing is due"
+    assert math.dist(base.pose[:2], (9, 3)) < 0.1
+    asleep = gw.Pilot(query, trajectory, "tracker", wait=False)
+    base = Base(1.0, 3.0)
+    steps = loop(asleep, base, 30, [parked])
+    assert asleep.plan_due
+    assert asleep.replans == 0
+    assert steps[-1]["stop"]
+    assert base.pose[0] < 4.4, "it waits for its plan"

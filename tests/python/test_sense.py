@@ -85,6 +85,8 @@ def test_a_csv_that_makes_no_sense_is_refused(tmp_path, text, said, capsys):
         (["--dynabarn", "-1"], "--dynabarn"),
         (["room.toml", "--movers", "people.csv", "--mover-radius", "0"], "--mover-radius"),
         (["room.toml", "--mover-speed", "0"], "--mover-speed"),
+        (["room.toml", "--plan-time", "-1"], "--plan-time"),
+        (["room.toml", "--plan-time", "nan"], "--plan-time"),
         (["room.toml", "--sense", "lidar", "--mover-speed", "1e6"], "mover_speed"),
     ],
 )

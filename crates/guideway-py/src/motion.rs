@@ -193,7 +193,7 @@ fn senses(py: Python<'_>, (sense, lidar): (&str, Option<&Bound<'_, PyDict>>), ma
 /// Drives a motion among the movers of the query's world; the record of the run as a dictionary. After Ctrl-C it is partial and says `cancelled`. `plant` is
 /// an object with `observe()`, `step(v, w, dt)` and `motion()` (default: the unicycle); what it raises is raised.
 #[pyfunction]
-#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", plant=None, observe=None, trace=false, speed_map=None, mover_speed=None))]
+#[pyo3(signature = (query, trajectory, controller, *, planner="visibility", seed=0, set=None, arrival=0.1, stop_at_goal=true, time_limit=None, sense="truth", lidar=None, map="known", plant=None, observe=None, trace=false, speed_map=None, mover_speed=None, plan_time=0.0))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]
 pub fn drive<'py>(
     py: Python<'py>,
@@ -214,6 +214,7 @@ pub fn drive<'py>(
     trace: bool,
     speed_map: Option<&SpeedMap>,
     mover_speed: Option<f64>,
+    plan_time: f64,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (sense, map_known) = senses(py, (sense, lidar), map)?;
     let parameters = set.map_or(Ok(serde_json::Value::Null), |s| from_python("set", s))?;
@@ -223,6 +224,7 @@ pub fn drive<'py>(
     let mut job = core::Job::new(&query.inner, &trajectory.inner).or_py(py)?;
     (job.arrival, job.stop_at_goal, job.time_limit) = (arrival, stop_at_goal, time_limit);
     job.replanner = Some(&replanner);
+    job.delivery = if plan_time == 0.0 { core::Delivery::AtOnce } else { core::Delivery::After(plan_time) };
     job.trace = trace;
     (job.sense, job.map_known, job.mover_speed) = (sense, map_known, mover_speed);
     job.speed_map = speed_map.map(|m| Arc::clone(&m.inner));

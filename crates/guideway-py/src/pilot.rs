@@ -22,10 +22,14 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 /// It follows `trajectory`, made for `query`, with one of :func:`controllers`; `set` holds the controller's parameters. Where the way is blocked `planner` plans anew.
 /// With `lidar` (a dictionary or :class:`Lidar`: beams, `field_of_view` in rad, range in m, noise in m, rate in Hz) steps take scans instead of tracks; with `map="none"` the
 /// world of the query gives the bounds only. `mover_speed` (m/s) is the top speed of whatever moves on the site, which no scan can tell (default: guessed from each track). `speed_map` (:class:`SpeedMap`) says how fast may be driven where.
+///
+/// A step that needs a plan makes it, and takes as long. With `wait=False` no step ever does: where `plan_due` is true another thread is to call :meth:`plan`, and
+/// the step after that takes what came of it.
 #[pyclass(frozen, module = "guideway")]
 pub struct Pilot {
     inner: Mutex<State>,
     lidar: Option<core::Lidar>,
+    planning: Arc<core::Planning>,
 }
 
 struct State {
@@ -79,7 +83,7 @@ impl Pilot {
 #[pymethods]
 impl Pilot {
     #[new]
-    #[pyo3(signature = (query, trajectory, controller, *, planner="visibility", set=None, seed=0, lidar=None, map="known", speed_map=None, mover_speed=None))]
+    #[pyo3(signature = (query, trajectory, controller, *, planner="visibility", set=None, seed=0, lidar=None, map="known", speed_map=None, mover_speed=None, wait=true))]
     #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python constructor")]
     fn new(
         py: Python<'_>,
@@ -93,6 +97,7 @@ impl Pilot {
         map: &str,
         speed_map: Option<&SpeedMap>,
         mover_speed: Option<f64>,
+        wait: bool,
     ) -> PyResult<Self> {
         let lidar = lidar.map(|l| from_python::<core::Lidar>("lidar", l)).transpose()?;
         let known = match map {
@@ -110,9 +115,27 @@ impl Pilot {
         let world = if known { Arc::clone(&query.inner.world) } else { Arc::new(query.inner.world.emptied().or_py(py)?) };
         let setup = core::Setup { world, robot: job.robot.clone(), clearance: query.inner.clearance };
         let controller = core::controller(controller, parameters, &setup).or_py(py)?;
-        let replanner: Box<core::OwnReplanner<'static>> = Box::new(move |ask, ctx| planning.motion(ask, ctx));
+        job.delivery = if wait { core::Delivery::AtOnce } else { core::Delivery::Elsewhere };
+        let planning = Arc::new(planning);
+        let own = Arc::clone(&planning);
+        let replanner: Box<core::OwnReplanner<'static>> = Box::new(move |ask, ctx| own.motion(ask, ctx));
         let pilot = core::Pilot::owned(&job, controller, Some(replanner)).or_py(py)?;
-        Ok(Self { inner: Mutex::new(State { pilot, seed, steps: 0 }), lidar })
+        Ok(Self { inner: Mutex::new(State { pilot, seed, steps: 0 }), lidar, planning })
+    }
+
+    /// Does the last step ask for a plan that nobody has begun with? Only with `wait=False`.
+    #[getter]
+    fn plan_due(&self) -> bool {
+        self.state().pilot.plan_due()
+    }
+    /// Makes the plan that is due, if one is, in the thread that calls; steps go on meanwhile. True if one was made, whatever came of it.
+    fn plan(&self, py: Python<'_>) -> bool {
+        py.detach(|| {
+            let Some(request) = self.state().pilot.request() else { return false };
+            let found = request.solve(|ask, ctx| self.planning.motion(ask, ctx));
+            self.state().pilot.deliver(found);
+            true
+        })
     }
 
     /// One control step. `time` in s, `pose` (x, y in m, yaw in rad), `v` in m/s and `w` in rad/s as measured. `tracks` are what moves around: dictionaries with

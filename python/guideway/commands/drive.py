@@ -24,6 +24,9 @@ EXAMPLES = """examples:
 WORDS = {"acceleration": "m/s2 ahead", "deceleration": "m/s2 braking", "turn_rate": "rad/s turning", "turn_acceleration": "rad/s2 turning"}
 """Limits that a plant may lower, as people read them."""
 
+LONGEST_PLAN = 1000.0
+"""Most that ``--plan-time`` may be, s."""
+
 
 def declare(parser: argparse.ArgumentParser) -> None:
     """Names the options."""
@@ -48,6 +51,8 @@ def declare(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--plant-set", metavar="KEY=VALUE", action="append", default=[], help="a setting of the plant mujoco; may be repeated")
     parser.add_argument("--video", metavar="FILE", help="a film (.gif) or a still picture (.png) of the plant mujoco in its room")
+    about = "how long a new plan takes, s: it is driven so much later than it is asked for (default 0: the world stands still meanwhile)"
+    parser.add_argument("--plan-time", type=float, default=0.0, metavar="S", help=about)
     parser.add_argument("--time-limit", type=float, metavar="S", help="longest run, s (default three times the planned duration and a minute)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the noise (default 0)")
     parser.add_argument("--out", metavar="FILE", help="the record as JSON")
@@ -92,6 +97,8 @@ def _check(arguments: argparse.Namespace) -> None:
     options.positive("--time-limit", arguments.time_limit)
     options.positive("--mover-radius", arguments.mover_radius)
     options.positive("--mover-speed", arguments.mover_speed)
+    if not 0 <= arguments.plan_time <= LONGEST_PLAN:
+        raise BadParameter(f"--plan-time {arguments.plan_time:g} is out of range: it must be 0 to {LONGEST_PLAN:g} s")
     options.count("--seed", arguments.seed)
 
 
@@ -148,6 +155,7 @@ def drive_of(arguments: argparse.Namespace) -> tuple[driving.Drive, dict[str, An
     drive.time_limit = arguments.time_limit or drive.time_limit
     drive.trace = bool(arguments.out or arguments.report)
     drive.sense, drive.map = arguments.sense, arguments.map
+    drive.plan_time = arguments.plan_time
     drive.mover_speed = arguments.mover_speed if arguments.mover_speed is not None else drive.mover_speed
     return drive, plan
 
@@ -257,6 +265,12 @@ def _deliver(arguments: argparse.Namespace, record: dict[str, Any], plan: dict[s
         print(f"wrote        {os.fspath(path)}")
 
 
+def _fast(steps: dict[str, Any]) -> str:
+    """How many of the slowest steps fit in a control period."""
+    factor = steps["real_time_factor"]
+    return "" if factor is None else f", {factor:.3g} x real time"
+
+
 def summary(record: dict[str, Any]) -> str:
     """A few lines for people."""
     tracking, steps = record["tracking"], record["step_seconds"]
@@ -266,12 +280,13 @@ def summary(record: dict[str, Any]) -> str:
         f"outcome      {ended} after {record['time']:.2f} s (planned {record['plan']['duration']:.2f} s)",
         f"safety       {nearest}, {record['emergency_stops']} emergency stops, {record['replans']} new plans",
         f"tracking     {100 * tracking['tte']:.2f} cm from the path (RMS), {100 * tracking['tpe']:.1f} cm from the goal at the end",
-        f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms)",
+        f"controller   {record['controller']}, {1e3 * steps['mean']:.3f} ms a step (99 %: {1e3 * steps['p99']:.3f} ms{_fast(steps)})",
     ]
     if record["plan_seconds"]["mean"] > 0.0:
         plans = record["plan_seconds"]
         times = f"{1e3 * plans['p50']:.1f} ms a plan (99 %: {1e3 * plans['p99']:.1f} ms)"
-        lines.append(f"planning     {record['planner']}, {times}, for which the simulation stood still")
+        when = f"each driven {record['plan_time']:g} s after it was asked for" if record["plan_time"] else "for which the simulation stood still"
+        lines.append(f"planning     {record['planner']}, {times}, {when}")
     plant = record["plant"]
     if "limits" in plant:
         asked, held = plant["limits"]["asked"], plant["limits"]["held"]

@@ -114,11 +114,16 @@ pub(super) struct Progress {
 
 impl Default for Progress {
     fn default() -> Self {
-        Self { s: 0.0, best: (0.0, f64::NAN) }
+        Self::at(0.0)
     }
 }
 
 impl Progress {
+    /// From arc length `s` (m) on.
+    pub fn at(s: f64) -> Self {
+        Self { s, best: (s, f64::NAN) }
+    }
+
     /// The distance that is left, m; a decision at the end and after `patience` s without progress.
     pub fn check(&mut self, course: &Course, seen: &Observation, patience: f64) -> Result<f64, Decision> {
         let p = [seen.pose[0], seen.pose[1]];
@@ -154,7 +159,7 @@ struct Window {
 impl Controller for Window {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.course = Some(Arc::clone(&guide.course));
-        self.progress = Progress::default();
+        self.progress = Progress::at(guide.from);
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {

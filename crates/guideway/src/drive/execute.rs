@@ -5,8 +5,8 @@ use super::sense::Stage;
 use super::separation::{Judge, Leg, With};
 use super::trace::Tracer;
 use super::{
-    Collision, Command, Controller, Course, Event, Lidar, Motion, MoverRecord, Outcome, Outline, Percentiles, Pilot, Plant, Replanner, Robot, Run,
-    Scan, Separation, Step, Unicycle,
+    Collision, Command, Controller, Course, Delivery, Event, Lidar, Motion, MoverRecord, Outcome, Outline, Percentiles, Pilot, Plant, Replanner,
+    Robot, Run, Scan, Separation, Step, Unicycle,
 };
 use crate::Point;
 use crate::context::Context;
@@ -62,6 +62,8 @@ pub struct Job<'a> {
     pub mover_speed: Option<f64>,
     /// Plans anew where the way is blocked; without one the robot waits.
     pub replanner: Option<&'a Replanner<'a>>,
+    /// When its plans can be driven; times are at most 1000 s.
+    pub delivery: Delivery,
     /// How fast may be driven where.
     pub speed_map: Option<Arc<SpeedMap>>,
     /// Keep what reports show of single steps?
@@ -89,6 +91,7 @@ impl<'a> Job<'a> {
             map_known: true,
             mover_speed: None,
             replanner: None,
+            delivery: Delivery::AtOnce,
             speed_map: None,
             trace: false,
         })
@@ -101,6 +104,7 @@ impl<'a> Job<'a> {
             ("time_limit", self.time_limit.unwrap_or(1.0), [1e-6, 1e5]),
             ("stuck_after", self.stuck_after, [1e-3, 1e6]),
             ("period", self.period, [1e-4, 1.0]),
+            ("plan_time", if let Delivery::After(wait) = self.delivery { wait } else { 0.0 }, [0.0, 1e3]),
         ];
         match named.into_iter().find(|(_, v, range)| !(range[0]..=range[1]).contains(v)) {
             Some((name, value, range)) => Err(PlanError::bad(name, value, format!("{} to {}", range[0], range[1]))),
@@ -325,6 +329,7 @@ impl<'a> Drive<'a> {
             forbidden: self.judge.forbidden,
             min_separation: Separation { still: finite(self.judge.still), movers: finite(self.judge.moving) },
             emergency_stops: self.emergency_stops,
+            period: self.job.period,
             step_seconds: Percentiles::of(self.seconds),
             plan_seconds: Percentiles::of(self.plan_seconds),
             tracking: self.log.tracking(goal, self.job.trajectory.limits.jerk, &self.job.robot, self.job.period),

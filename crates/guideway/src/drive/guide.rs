@@ -1,7 +1,8 @@
 //! What the global layer hands to the local one: the motion, its turning points and the cost-to-go.
 
-use super::{CostToGo, Course};
+use super::{CostToGo, Course, Robot};
 use crate::Point;
+use crate::query::Query;
 use crate::world::shape::{distance, point_segment};
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ const AROUND: f64 = 2.0;
 const BACK: f64 = 0.3;
 /// One passed at a greater distance is missed, m.
 const MISSED: f64 = 1.0;
+/// Maps of more cells get no cost-to-go.
+const MOST_CELLS: u64 = 1 << 20;
 
 /// A motion to follow and what helps to leave it and come back.
 #[derive(Debug, Clone)]
@@ -27,12 +30,24 @@ pub struct Guide {
     pub sub_goals: Vec<Point>,
     /// Cost-to-go to the goal, if the global layer made one.
     pub to_go: Option<Arc<CostToGo>>,
+    /// Arc length at which the robot joins it, m: a plan that took time begins behind the robot.
+    pub from: f64,
 }
 
 impl Guide {
     /// A motion with its turning points, without cost-to-go.
     pub fn along(course: Arc<Course>) -> Self {
-        Self { sub_goals: corners(&course).into_iter().map(|c| c.0).collect(), course, to_go: None }
+        Self { sub_goals: corners(&course).into_iter().map(|c| c.0).collect(), course, to_go: None, from: 0.0 }
+    }
+
+    /// As [`Guide::along`], with the cost-to-go in the world of the query that the motion was planned for.
+    pub(super) fn within(course: Arc<Course>, query: &Query, robot: &Robot) -> Self {
+        let [w, h] = query.world.cells().map(u64::from);
+        let body = [robot.footprint.inscribed(), robot.footprint.circumscribed()];
+        // A tour leads through its via points; a field knows one goal.
+        let wanted = query.via.is_empty() && w * h <= MOST_CELLS;
+        let to_go = wanted.then(|| Arc::new(CostToGo::new(&query.world, query.goal, body, query.soft.unwrap_or_default())));
+        Self { to_go, ..Self::along(course) }
     }
 }
 

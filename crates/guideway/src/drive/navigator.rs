@@ -5,7 +5,7 @@
 //! where it is clearly shorter, so that the robot does not waver between equal ways.
 
 use super::ask::{Ask, asks};
-use super::{CostToGo, Course, Decision, Event, Guide, Observation, Passing, Reason, Robot, SubGoals, Track};
+use super::{Course, Decision, Delivery, Event, Found, Guide, Observation, Passing, Reason, Request, Robot, SubGoals, Track};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
@@ -14,7 +14,6 @@ use crate::timing::Trajectory;
 use crate::world::World;
 use crate::world::shape::distance;
 use std::sync::Arc;
-use std::time::Instant;
 
 /// The way counts as blocked after so long without a free command, s.
 const BLOCKED: f64 = 0.5;
@@ -42,12 +41,15 @@ const REVIEW: f64 = 2.0;
 /// Movers slower than this are in the way of plans, m/s, if they are within so many m.
 const STANDING: f64 = 0.1;
 const NEARBY: f64 = 6.0;
-/// Maps of more cells get no cost-to-go.
-const MOST_CELLS: u64 = 1 << 20;
 /// Samples of the course ahead that are looked up in a changed world are so far apart, m.
 const APART: f64 = 0.05;
 /// Room beyond what is asked for that such a look tells, m.
 const LOOK: f64 = 0.5;
+/// While a plan is made the robot brakes before a blocked place so much earlier than it has to, s and m.
+const AHEAD: (f64, f64) = (0.2, 0.1);
+/// A plan that took time is joined where the robot is by then, if that is no farther from it, m; one that it has hardly begun is driven from its start.
+const STRAY: f64 = 0.3;
+const BEGUN: f64 = 0.05;
 
 /// Plans and times a new motion; owns or borrows what it needs.
 pub type OwnReplanner<'a> = dyn Fn(&Ask, &mut Context) -> Result<Trajectory, PlanError> + Send + 'a;
@@ -63,6 +65,18 @@ enum Need {
     May,
 }
 
+/// A plan that is being made.
+struct Pending {
+    why: String,
+    need: Need,
+    /// When it was asked for, s.
+    asked: f64,
+    number: u64,
+    /// What nobody has begun with yet.
+    request: Option<Request>,
+    found: Option<Found>,
+}
+
 /// A place that plans keep off until it expires.
 struct Tabu {
     place: (Point, f64),
@@ -74,6 +88,11 @@ pub(super) struct Navigator<'a> {
     query: Query,
     robot: Robot,
     replanner: Option<Box<OwnReplanner<'a>>>,
+    /// When plans can be driven.
+    pub delivery: Delivery,
+    pending: Option<Pending>,
+    /// Why a plan is to be made from rest, where the last one came too late for where the robot had gone meanwhile.
+    rest: Option<String>,
     guide: Arc<Guide>,
     sub_goals: SubGoals,
     /// Arc length reached, m.
@@ -89,6 +108,8 @@ pub(super) struct Navigator<'a> {
     reviewed: f64,
     /// What was known when the course was looked at last.
     known: Option<Arc<World>>,
+    /// Arc length at which the course was blocked then, if it was, m.
+    block: Option<f64>,
     /// Why the last attempt failed.
     failed: Option<String>,
     /// Is the course blocked by what does not move, and no other way known?
@@ -103,11 +124,14 @@ pub(super) struct Navigator<'a> {
 
 impl<'a> Navigator<'a> {
     pub fn new(query: &Query, robot: &Robot, course: Arc<Course>, replanner: Option<Box<OwnReplanner<'a>>>) -> Self {
-        let guide = Arc::new(guide(course, query, robot));
+        let guide = Arc::new(Guide::within(course, query, robot));
         let mut navigator = Self {
             query: query.clone(),
             robot: robot.clone(),
             replanner,
+            delivery: Delivery::AtOnce,
+            pending: None,
+            rest: None,
             sub_goals: SubGoals::new(&guide),
             guide,
             s: 0.0,
@@ -118,6 +142,7 @@ impl<'a> Navigator<'a> {
             tried: f64::NEG_INFINITY,
             reviewed: 0.0,
             known: None,
+            block: None,
             failed: None,
             lost: false,
             attempts: 0,
@@ -143,10 +168,34 @@ impl<'a> Navigator<'a> {
         self.sub_goals.next()
     }
 
-    /// Why the robot must stand, if there is no way.
-    pub fn lost(&self) -> Option<Reason> {
-        let why = self.failed.as_deref().filter(|_| self.lost)?;
-        Some(Reason::new(format!("no way to the goal ({why})")))
+    /// Why the robot must not go on, if there is no way, or none yet.
+    pub fn halt(&self, seen: &Observation) -> Option<Reason> {
+        if let Some(why) = self.failed.as_deref().filter(|_| self.lost) {
+            return Some(Reason::new(format!("no way to the goal ({why})")));
+        }
+        if self.rest.is_some() {
+            return Some(Reason::new("waits for a plan from where it stands"));
+        }
+        self.pending.as_ref()?;
+        let v = seen.v.abs();
+        let need = self.robot.braking_distance(v) + AHEAD.0 * v + AHEAD.1;
+        self.block.filter(|at| at - self.s <= need).map(|_| Reason::new("waits for a plan around what blocks the way"))
+    }
+
+    /// What is to be planned outside of the steps, once.
+    pub fn request(&mut self) -> Option<Request> {
+        self.pending.as_mut()?.request.take()
+    }
+    /// Is there such a thing?
+    pub fn asks(&self) -> bool {
+        self.pending.as_ref().is_some_and(|pending| pending.request.is_some())
+    }
+    /// What came of it; nothing happens if it is needed no more.
+    pub fn found(&mut self, found: Found) {
+        self.seconds.push(found.seconds);
+        if let Some(pending) = self.pending.as_mut().filter(|pending| pending.number == found.number) {
+            pending.found = Some(found);
+        }
     }
 
     pub fn event(&mut self, t: f64, kind: &str, reason: impl Into<String>) {
@@ -160,6 +209,10 @@ impl<'a> Navigator<'a> {
             return false;
         }
         self.s = self.guide.course.project(p, self.s, self.s + 1.0).0;
+        if self.arrived(seen) {
+            return true;
+        }
+        self.settle(seen, ctx);
         if self.expire(seen) {
             self.event(seen.time, "expired", "a place is no longer tabu");
             if !self.lost && self.replan("the way may be free again", Need::May, seen, ctx) {
@@ -190,13 +243,16 @@ impl<'a> Navigator<'a> {
     /// A changed world: is the course still free, and is there a better one?
     fn changed(&mut self, seen: &Observation, ctx: &Context) -> bool {
         let Some(known) = &seen.known else { return false };
-        if self.known.as_ref().is_some_and(|before| Arc::ptr_eq(before, known)) || !self.due(seen.time, AGAIN) {
+        let looked = self.known.as_ref().is_some_and(|before| Arc::ptr_eq(before, known));
+        if looked || !(self.pending.is_some() || self.due(seen.time, AGAIN)) {
             return false;
         }
         self.known = Some(Arc::clone(known));
-        if let Some([x, y]) = self.obstructed(known, [seen.pose[0], seen.pose[1]]) {
+        let blocked = self.obstructed(known, [seen.pose[0], seen.pose[1]]);
+        self.block = blocked.map(|(at, _)| at);
+        if let Some((_, [x, y])) = blocked {
             let found = self.replan(&format!("the way is blocked at ({x:.2}, {y:.2})"), Need::Must, seen, ctx);
-            self.lost = !found;
+            self.lost |= !found && self.pending.is_none();
             return found;
         }
         self.lost = false;
@@ -226,7 +282,7 @@ impl<'a> Navigator<'a> {
         let end = self.guide.course.end().pose;
         let here = distance([seen.pose[0], seen.pose[1]], [end[0], end[1]]) < NEAR_END;
         let blocked = (reason.place.is_some() || !here) && seen.time - since >= BLOCKED && seen.v.abs() < SLOW && self.due(seen.time, RETRY);
-        if !(asked || blocked) {
+        if !(asked || blocked) || self.busy(Need::Stops) {
             return false;
         }
         if blocked && !asked {
@@ -273,8 +329,8 @@ impl<'a> Navigator<'a> {
         self.guide.to_go.as_ref().map_or(f64::INFINITY, |field| field.at(p))
     }
 
-    /// The first place of the course ahead at which a changed world leaves too little room.
-    fn obstructed(&self, world: &World, p: Point) -> Option<Point> {
+    /// The first place of the course ahead at which a changed world leaves too little room, and its arc length.
+    fn obstructed(&self, world: &World, p: Point) -> Option<(f64, Point)> {
         let (body, core) = (self.robot.footprint.circumscribed(), self.robot.footprint.inscribed());
         // Where the plan had room to spare, some of it may go; noise would else ask for a plan with every scan.
         let limit = if self.radius > body { body + 0.25 * (self.radius - body) } else { core + 0.5 * (self.radius - core).max(0.0) };
@@ -283,7 +339,7 @@ impl<'a> Navigator<'a> {
         let places = self.guide.course.at_lengths((0..=n).map(|k| self.s + APART * k as f64));
         // Where there is more room than is asked for, the places that are nearer than that need no look.
         let (mut clear, mut last) = (0.0, p);
-        places.into_iter().map(|q| [q.pose[0], q.pose[1]]).find(|q| {
+        places.into_iter().map(|q| (q.s, [q.pose[0], q.pose[1]])).find(|(_, q)| {
             clear -= distance(*q, last);
             last = *q;
             if clear >= 0.0 || distance(*q, p) <= 0.1 {
@@ -301,50 +357,96 @@ impl<'a> Navigator<'a> {
         self.tabu.iter().map(|tabu| tabu.place).chain(standing).collect()
     }
 
-    /// Asks for a plan and takes it if it is needed or clearly better. True if there is a new guide.
+    /// Is a plan being made that one of this need has to wait for? One that something forces does not wait for one that nothing does.
+    fn busy(&self, need: Need) -> bool {
+        self.pending.as_ref().is_some_and(|pending| need == Need::May || pending.need != Need::May)
+    }
+
+    /// Asks for a plan, and takes it if it is there at once and needed or clearly better. True if there is a new guide.
     fn replan(&mut self, why: &str, need: Need, seen: &Observation, ctx: &Context) -> bool {
-        let Some(replanner) = &self.replanner else {
+        if self.busy(need) {
+            return false;
+        }
+        if self.replanner.is_none() && self.delivery != Delivery::Elsewhere {
             self.tried = seen.time;
             if need != Need::May {
                 self.fail(seen.time, "there is no replanner");
             }
             return false;
-        };
-        let started = Instant::now();
+        }
         (self.tried, self.attempts) = (seen.time, self.attempts + 1);
-        let world = seen.known.as_ref().unwrap_or(&self.query.world);
-        let asked = asks((&self.query, &self.robot), (seen, need != Need::Stops), world, (&self.guide.course, self.s), &self.obstacles(seen));
-        let mut inner = Context::new(ctx.seed().wrapping_add(self.attempts)).with_threads(ctx.threads());
-        let mut found = Err(PlanError::bad("world", "what the robot knows", "a world to plan in"));
-        for (radius, ask) in asked {
-            found = replanner(&ask, &mut inner).and_then(|trajectory| Course::new(&trajectory)).map(|course| (course, radius, ask));
-            if matches!(found, Ok(_) | Err(PlanError::Cancelled)) {
-                break;
+        let request = self.draw_up(need, seen, ctx);
+        let found = match (&self.replanner, self.delivery) {
+            (Some(replanner), Delivery::AtOnce | Delivery::After(_)) => Some(request.solve(replanner)),
+            _ => None,
+        };
+        self.seconds.extend(found.iter().map(|found| found.seconds));
+        match found {
+            Some(found) if self.delivery == Delivery::AtOnce => self.take(found, why, need, seen),
+            found => {
+                self.event(seen.time, "asked", why);
+                let (number, request) = (request.number, found.is_none().then_some(request));
+                self.pending = Some(Pending { why: why.into(), need, asked: seen.time, number, request, found });
+                false
             }
         }
-        let taken = self.take(found, why, need, seen);
-        self.seconds.push(started.elapsed().as_secs_f64());
-        taken
     }
 
-    fn take(&mut self, found: Result<(Course, f64, Ask), PlanError>, why: &str, need: Need, seen: &Observation) -> bool {
-        match found {
-            Ok((course, _, _)) if need == Need::May && course.length() > BETTER * (self.guide.course.length() - self.s) => false,
-            Ok((course, radius, ask)) => {
-                self.guide = Arc::new(guide(Arc::new(course), &ask.query, &self.robot));
+    /// A plan from here, as far as the surroundings are known.
+    fn draw_up(&self, need: Need, seen: &Observation, ctx: &Context) -> Request {
+        let world = seen.known.as_ref().unwrap_or(&self.query.world);
+        let extra = self.obstacles(seen);
+        let asks = asks((&self.query, &self.robot), (seen, need != Need::Stops), world, (&self.guide.course, self.s), &extra);
+        let most = if need == Need::May { BETTER * (self.guide.course.length() - self.s) } else { f64::INFINITY };
+        let seed = ctx.seed().wrapping_add(self.attempts);
+        Request { asks, most, robot: self.robot.clone(), seed, threads: ctx.threads(), number: self.attempts }
+    }
+
+    /// Takes a plan that is there by now. True if there is a new guide.
+    fn arrived(&mut self, seen: &Observation) -> bool {
+        let wait = if let Delivery::After(wait) = self.delivery { wait } else { 0.0 };
+        let there = |pending: &mut Pending| pending.found.is_some() && seen.time - pending.asked >= wait - 1e-9;
+        let Some(Pending { why, need, asked, found: Some(found), .. }) = self.pending.take_if(there) else { return false };
+        self.rest = None;
+        let p = [seen.pose[0], seen.pose[1]];
+        let Found { guide: Ok(Some((mut guide, radius))), seconds, number } = found else { return self.take(found, &why, need, seen) };
+        let (s, off) = guide.course.project(p, 0.0, self.robot.speed * (seen.time - asked) + 1.0);
+        if off > STRAY {
+            self.event(seen.time, "late", format!("a plan begins where the robot no longer is, {off:.2} m off"));
+            self.rest = (need != Need::May).then_some(why);
+            return false;
+        }
+        guide.from = if s > BEGUN { s } else { 0.0 };
+        // What was seen since it was asked for it knows nothing of.
+        self.known = None;
+        self.take(Found { guide: Ok(Some((guide, radius))), seconds, number }, &why, need, seen)
+    }
+
+    /// Asks for the plan that is to be made from rest, once the robot rests.
+    fn settle(&mut self, seen: &Observation, ctx: &Context) {
+        if let Some(why) = self.rest.clone().filter(|_| seen.v.abs() < SLOW) {
+            self.replan(&why, Need::Stops, seen, ctx);
+        }
+    }
+
+    fn take(&mut self, found: Found, why: &str, need: Need, seen: &Observation) -> bool {
+        match found.guide {
+            Ok(Some((guide, radius))) => {
+                self.guide = Arc::new(guide);
                 self.sub_goals = SubGoals::new(&self.guide);
-                (self.s, self.radius, self.blocked_since) = (0.0, radius, None);
-                (self.failed, self.lost) = (None, false);
+                (self.s, self.radius, self.blocked_since) = (self.guide.from, radius, None);
+                (self.failed, self.lost, self.block) = (None, false, None);
                 self.cost = self.expected([seen.pose[0], seen.pose[1]]);
                 self.replans += 1;
                 self.event(seen.time, "replan", why);
                 true
             }
-            Err(_) if need == Need::May => false,
-            Err(e) => {
+            Err(e) if need != Need::May => {
                 self.fail(seen.time, e.name());
+                self.lost |= self.block.is_some();
                 false
             }
+            _ => false,
         }
     }
 
@@ -361,14 +463,4 @@ impl<'a> Navigator<'a> {
 fn standing(seen: &Observation) -> impl Iterator<Item = &Track> {
     let p = [seen.pose[0], seen.pose[1]];
     seen.tracks.iter().filter(move |t| t.velocity[0].hypot(t.velocity[1]) < STANDING && distance(t.position, p) < NEARBY)
-}
-
-/// The guide along a course in the world of its query.
-fn guide(course: Arc<Course>, query: &Query, robot: &Robot) -> Guide {
-    let [w, h] = query.world.cells().map(u64::from);
-    let body = [robot.footprint.inscribed(), robot.footprint.circumscribed()];
-    // A tour leads through its via points; a field knows one goal.
-    let wanted = query.via.is_empty() && w * h <= MOST_CELLS;
-    let to_go = wanted.then(|| Arc::new(CostToGo::new(&query.world, query.goal, body, query.soft.unwrap_or_default())));
-    Guide { to_go, ..Guide::along(course) }
 }

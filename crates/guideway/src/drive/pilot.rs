@@ -2,7 +2,10 @@
 
 use super::navigator::Navigator;
 use super::pace::Pace;
-use super::{Command, Controller, Course, Decision, Event, Eyes, Guide, Job, Observation, OwnReplanner, Reason, Robot, Scan, Sense, Sketch, Track};
+use super::{
+    Command, Controller, Course, Decision, Event, Eyes, Found, Guide, Job, Observation, OwnReplanner, Reason, Request, Robot, Scan, Sense, Sketch,
+    Track,
+};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
@@ -110,6 +113,7 @@ impl<'a> Pilot<'a> {
         let query = Query { world, ..job.query.clone() };
         let mut pilot = Self::new((&query, job.trajectory), &job.robot, controller, replanner)?;
         pilot.speed_map.clone_from(&job.speed_map);
+        pilot.navigator.delivery = job.delivery;
         match job.sense {
             Sense::Truth if job.map_known => Ok(pilot),
             Sense::Truth => Err(PlanError::bad("map", "none", "known, or none with a lidar to see by (sense)")),
@@ -122,6 +126,19 @@ impl<'a> Pilot<'a> {
     pub fn with_eyes(mut self, eyes: Eyes) -> Self {
         self.eyes = Some(eyes);
         self
+    }
+
+    /// Is a plan to be made outside of the steps ([`Delivery::Elsewhere`]), and nobody has begun with it?
+    pub fn plan_due(&self) -> bool {
+        self.navigator.asks()
+    }
+    /// That plan, for whoever makes it, in a thread of its own: [`Request::solve`], then [`Pilot::deliver`]. Handed out once.
+    pub fn request(&mut self) -> Option<Request> {
+        self.navigator.request()
+    }
+    /// A plan that was made; the next step takes it, if it is still needed.
+    pub fn deliver(&mut self, found: Found) {
+        self.navigator.found(found);
     }
 
     /// What is followed now.
@@ -263,7 +280,7 @@ impl<'a> Pilot<'a> {
             return Decision::Stop(Reason::new("nothing is seen"));
         }
         let decision = self.controller.decide(seen, ctx);
-        match self.navigator.lost() {
+        match self.navigator.halt(seen) {
             Some(reason) if matches!(decision, Decision::Drive(_)) => Decision::Stop(reason),
             _ => decision,
         }

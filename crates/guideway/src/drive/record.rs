@@ -19,7 +19,7 @@ pub enum Outcome {
     Stuck,
 }
 
-/// A run. SI units, radians; everything but `step_seconds` follows from the job and the seed.
+/// A run. SI units, radians; everything but `step_seconds` and `plan_seconds` follows from the job and the seed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Run {
     /// How it ended.
@@ -38,6 +38,8 @@ pub struct Run {
     pub forbidden: Option<f64>,
     /// Times a controller stopped or replanned while the base moved faster than 0.2 m/s.
     pub emergency_stops: u32,
+    /// Command period, s.
+    pub period: f64,
     /// Wall-clock time of one decision, s.
     pub step_seconds: Percentiles,
     /// Wall-clock time of one new plan, s.
@@ -135,7 +137,8 @@ pub struct Energy {
 pub struct Event {
     /// s since the start of the run.
     pub t: f64,
-    /// `stop`, `go`, `replan`, `no-plan`, `collision`, `cancel`, and what leads to them: `blocked`, `sub-goal missed`, `dear`, `tabu`, `expired`, `blind`, `appeared`.
+    /// `stop`, `go`, `replan`, `no-plan`, `collision`, `cancel`, and what leads to them: `blocked`, `sub-goal missed`, `dear`, `tabu`, `expired`, `blind`, `appeared`;
+    /// `asked` and `late` where plans take time.
     pub kind: String,
     /// For people.
     pub reason: String,

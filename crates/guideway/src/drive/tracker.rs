@@ -97,7 +97,8 @@ struct Following {
 impl Controller for Following {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.course = Some(Arc::clone(&guide.course));
-        (self.clock, self.rate, self.s, self.waiting) = (0.0, 0.0, 0.0, None);
+        self.clock = if guide.from > 0.0 { guide.course.at_length(guide.from).t } else { 0.0 };
+        (self.rate, self.s, self.waiting) = (0.0, guide.from, None);
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {

@@ -92,7 +92,7 @@ struct Window {
 impl Controller for Window {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.guide = Some(Arc::clone(guide));
-        (self.progress, self.sub_goals) = (Progress::default(), Some(SubGoals::new(guide)));
+        (self.progress, self.sub_goals) = (Progress::at(guide.from), Some(SubGoals::new(guide)));
     }
 
     fn decide(&mut self, seen: &Observation, _ctx: &mut Context) -> Decision {

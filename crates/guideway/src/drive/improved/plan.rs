@@ -135,7 +135,7 @@ struct Planning {
 impl Controller for Planning {
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.guide = Some(Arc::clone(guide));
-        (self.s, self.best, self.held) = (0.0, (0.0, f64::NAN), None);
+        (self.s, self.best, self.held) = (guide.from, (guide.from, f64::NAN), None);
         self.last.side = None;
     }
 

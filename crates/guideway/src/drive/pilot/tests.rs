@@ -1,5 +1,5 @@
 use super::super::testing::{legs, limits, parked, query, room};
-use super::super::{Ask, Outcome, Outline, Planning, Plant, Run, Setup, Track, Unicycle, UnicyclePlant, controller, execute};
+use super::super::{Ask, Delivery, Outcome, Outline, Planning, Plant, Run, Setup, Track, Unicycle, UnicyclePlant, controller, execute};
 use super::*;
 use crate::plan;
 use crate::world::shape::distance;
@@ -258,4 +258,98 @@ fn ramped_speeds_keep_to_zones_shares_and_stops() {
     assert!(speeds[149] > 0.8 && (speeds[249] - 0.4).abs() < 0.05 && speeds[449] < 1e-3 && speeds[599] > 0.8, "{speeds:.2?}");
     let worst = speeds.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / 0.0004).fold(0.0, f64::max);
     assert!(worst <= 3.0 * (1.0 + 1e-6), "{worst}");
+}
+
+/// The pilot of [`pilot`] whose plans take a while, and what it sees at `x` at time `t`, with a pillar around (5, 3).
+fn waiting(delivery: Delivery) -> (Pilot<'static>, impl Fn(f64, f64, f64) -> Observation) {
+    let (mut pilot, _) = pilot(true);
+    pilot.navigator.delivery = delivery;
+    let pillar = Arc::new(World::from_shapes(ROOM, vec![Shape::disc([5.0, 3.0], 0.5).unwrap()], 0.05).unwrap());
+    let seen = move |t, x, v| Observation { known: Some(Arc::clone(&pillar)), ..Observation::new(t, [x, 3.0, 0.0], v, 0.0) };
+    (pilot, seen)
+}
+
+#[test]
+fn a_plan_that_takes_time_is_joined_where_the_robot_is_by_then() {
+    let (mut pilot, seen) = waiting(Delivery::After(0.2));
+    let mut events = Vec::new();
+    for k in 0..=10 {
+        let t = 0.02 * f64::from(k);
+        let step = pilot.step(&mut seen(t, 1.5 + 0.5 * t, 0.5), None, &mut Context::new(0));
+        assert_eq!(step.replanned, k == 10, "{k} {step:?}");
+        assert!(step.stop.is_none() && step.plan_seconds.len() == usize::from(k == 0), "{k} {step:?}");
+        events.extend(step.events.into_iter().map(|e| (e.kind, e.t)));
+    }
+    assert_eq!(events, [("asked".to_owned(), 0.0), ("replan".to_owned(), 0.2)]);
+    let guide = pilot.guide();
+    assert_eq!(guide.course.start().pose[0], 1.5, "made from where the robot was");
+    assert!((guide.from - 0.1).abs() < 0.01 && (pilot.navigator.reached() - guide.from).abs() < 1e-9, "{}", guide.from);
+}
+
+#[test]
+fn before_what_blocks_the_way_the_robot_waits_for_its_plan() {
+    let (mut pilot, seen) = waiting(Delivery::After(30.0));
+    // The disc of the plan, 0.25 m and a quarter of the 0.1 m of clearance, fits up to x = 4.225; from 0.6 m/s it takes 0.18 m to stop, and 0.22 m are kept, at rest 0.1 m.
+    let steps = [(0.0, 1.5, 0.5, false), (1.0, 2.4, 0.6, false), (2.0, 3.3, 0.6, false), (2.5, 3.7, 0.6, false), (2.8, 3.9, 0.6, true)];
+    for (t, x, v, stands) in steps.into_iter().chain([(4.0, 4.0, 0.0, false), (5.0, 4.2, 0.0, true)]) {
+        let step = pilot.step(&mut seen(t, x, v), None, &mut Context::new(0));
+        assert_eq!(step.stop.as_deref() == Some("waits for a plan around what blocks the way"), stands, "{t} {step:?}");
+        assert!(!step.replanned && step.plan_seconds.len() == usize::from(t == 0.0), "one at a time");
+    }
+}
+
+#[test]
+fn a_plan_that_comes_too_late_is_made_again_from_rest() {
+    let (mut pilot, seen) = waiting(Delivery::After(0.2));
+    let mut ctx = Context::new(0);
+    let mut at = |t: f64, y: f64, v: f64| {
+        let mut seen = seen(t, 1.5, v);
+        seen.pose[1] = y;
+        let step = pilot.step(&mut seen, None, &mut ctx);
+        (step.replanned, step.stop.is_some(), step.events.into_iter().map(|e| e.kind).collect::<Vec<_>>())
+    };
+    assert_eq!(at(0.0, 3.0, 0.5), (false, false, vec!["asked".to_owned()]));
+    // It has got out of the way of somebody.
+    let (replanned, stands, events) = at(0.2, 3.6, 0.5);
+    assert!(!replanned && stands && events.contains(&"late".to_owned()), "{events:?}");
+    assert_eq!(at(0.22, 3.6, 0.3), (false, true, Vec::new()), "not before it rests");
+    assert_eq!(at(0.4, 3.6, 0.0), (false, true, vec!["asked".to_owned()]));
+    let (replanned, stands, events) = at(0.6, 3.6, 0.0);
+    assert!(replanned && !stands && events.contains(&"replan".to_owned()), "{events:?}");
+    assert_eq!(pilot.guide().course.start().pose[1], 3.6);
+}
+
+#[test]
+fn plans_can_be_made_elsewhere() {
+    let (mut pilot, seen) = waiting(Delivery::Elsewhere);
+    let mut ctx = Context::new(0);
+    assert!(!pilot.plan_due() && pilot.request().is_none());
+    assert!(!pilot.step(&mut seen(0.0, 1.5, 0.5), None, &mut ctx).replanned && pilot.plan_due());
+    let (request, planning) = (pilot.request().unwrap(), planning());
+    assert!(!pilot.plan_due() && pilot.request().is_none(), "handed out once");
+    assert!(!pilot.step(&mut seen(0.3, 1.6, 0.5), None, &mut ctx).replanned && !pilot.plan_due(), "one at a time");
+    let found = request.solve(|ask, ctx| planning.motion(ask, ctx));
+    pilot.deliver(found);
+    let step = pilot.step(&mut seen(0.4, 1.7, 0.5), None, &mut ctx);
+    assert!(step.replanned && step.plan_seconds.len() == 1, "{step:?}");
+    // What nobody waits for any more changes nothing.
+    pilot.deliver(request.solve(|ask, ctx| planning.motion(ask, ctx)));
+    assert!(!pilot.step(&mut seen(0.42, 1.7, 0.5), None, &mut ctx).replanned);
+}
+
+#[test]
+fn with_plans_that_take_time_a_blocked_corridor_is_left_as_well() {
+    let walls = vec![wall([4.0, 6.0], [3.6, 4.4]), wall([4.0, 6.0], [0.0, 2.4])];
+    let blocker = Mover { appears: Some(Appears::Within(3.0)), ..parked(0.5, [5.0, 3.0]) };
+    let world = room(ROOM, walls, vec![blocker]);
+    let at_once = run(&world, |_| {});
+    for wait in [0.1, 1.5] {
+        let run = run(&world, |job| job.delivery = Delivery::After(wait));
+        assert_eq!(run.outcome, Outcome::Arrived, "{:?}", run.events);
+        let first = |kind: &str| run.events.iter().find(|e| e.kind == kind).map_or(f64::NAN, |e| e.t);
+        assert!((first("replan") - first("asked") - wait).abs() <= 0.02, "{:?}", run.events);
+        assert!(run.time > at_once.time, "{} {}", run.time, at_once.time);
+    }
+    let zero = run(&world, |job| job.delivery = Delivery::After(0.0));
+    assert_eq!(zero.outcome, Outcome::Arrived);
 }

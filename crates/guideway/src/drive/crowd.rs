@@ -65,6 +65,9 @@ struct Lane {
     keep: [f64; LANES],
     growth: [f64; LANES],
     lively: [f64; LANES],
+    /// Radius and distance kept, m; speed and growth, m/s.
+    held: [f64; LANES],
+    pace: [f64; LANES],
     /// What it may be off now, m, and its largest speed, m/s.
     doubt: [f64; LANES],
     bound: [f64; LANES],
@@ -86,6 +89,8 @@ impl Lane {
             keep: zero,
             growth: zero,
             lively: zero,
+            held: zero,
+            pace: zero,
             doubt: zero,
             bound: zero,
             edged: false,
@@ -100,18 +105,27 @@ impl Lane {
             lane.inverse[k] = if squared > 0.0 { 1.0 / squared } else { 0.0 };
             (lane.radius[k], lane.speed[k], lane.keep[k], lane.growth[k]) = (n.radius, n.speed, n.keep, n.growth);
             (lane.lively[k], lane.doubt[k], lane.bound[k]) = (n.lively, n.track.doubt, n.track.bound);
+            (lane.held[k], lane.pace[k]) = (n.radius + n.keep, n.speed + n.growth);
             lane.edged |= !n.round();
         }
         lane
     }
 
+    /// Squares of the distances of a point from where they are after `t` s at constant velocity, m2.
     #[expect(clippy::inline_always, reason = "the innermost loop of all predictions: lanes stay in registers")]
     #[inline(always)]
-    fn gaps(&self, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
+    fn squares(&self, p: Point, t: f64) -> [f64; LANES] {
         std::array::from_fn(|k| {
             let (dx, dy) = (p[0] - self.x[k] - self.u[k] * t, p[1] - self.y[k] - self.v[k] * t);
-            (dx * dx + dy * dy).sqrt() - self.radius[k] - r - self.keep[k] - self.growth[k] * t
+            dx * dx + dy * dy
         })
+    }
+
+    /// The room that such squares leave a disc of radius `r`, m.
+    #[expect(clippy::inline_always, reason = "as above")]
+    #[inline(always)]
+    fn gaps(&self, squares: [f64; LANES], r: f64, t: f64) -> [f64; LANES] {
+        std::array::from_fn(|k| squares[k].sqrt() - self.radius[k] - r - self.keep[k] - self.growth[k] * t)
     }
 }
 
@@ -188,7 +202,8 @@ impl<'a> Crowd<'a> {
     #[expect(clippy::inline_always, reason = "as above")]
     #[inline(always)]
     fn gaps(&self, i: usize, (p, r): (Point, f64), t: f64) -> [f64; LANES] {
-        let mut gaps = self.lanes[i].gaps((p, r), t);
+        let lane = &self.lanes[i];
+        let mut gaps = lane.gaps(lane.squares(p, t), r, t);
         if self.lanes[i].edged {
             self.edge(i, (p, r), t, &mut gaps);
         }
@@ -205,25 +220,30 @@ impl<'a> Crowd<'a> {
     /// What they mean for a robot covered by `discs` whose points move at most at `v` m/s, after `t` s at constant velocity.
     #[inline]
     pub fn around(&self, discs: impl Iterator<Item = (Point, f64)>, t: f64, v: f64) -> Around {
-        let (mut room, mut safe, mut close) = ([f64::INFINITY; LANES], [f64::INFINITY; LANES], [0.0; LANES]);
-        for disc in discs {
+        let mut all = Around { room: f64::INFINITY, safe: f64::INFINITY, close: 0.0 };
+        for (p, r) in discs {
             for (i, l) in self.lanes.iter().enumerate() {
-                let gaps = self.gaps(i, disc, t);
-                let mut wide = true;
+                // Who is not near, and farther and met later than another one, makes no difference.
+                let (squares, least_far) = (l.squares(p, t), most(all.room, WIDE));
+                let mut far = true;
                 for k in 0..LANES {
-                    room[k] = least(gaps[k], room[k]);
-                    safe[k] = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), safe[k]);
-                    wide &= gaps[k] >= WIDE;
+                    let limit = most(least_far, all.safe * (v + l.pace[k])) + l.held[k] + l.growth[k] * t + (r + SURE);
+                    far &= squares[k] > limit * limit;
                 }
-                if !wide {
+                if !far {
+                    let mut gaps = l.gaps(squares, r, t);
+                    if l.edged {
+                        self.edge(i, (p, r), t, &mut gaps);
+                    }
                     for k in 0..LANES {
-                        close[k] = most(l.lively[k] * (1.0 - gaps[k] / WIDE), close[k]);
+                        all.room = least(gaps[k], all.room);
+                        all.safe = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), all.safe);
+                        all.close = most(l.lively[k] * (1.0 - gaps[k] / WIDE), all.close);
                     }
                 }
             }
         }
-        let fold = |all: [f64; LANES], first: f64, f: fn(f64, f64) -> f64| all.into_iter().fold(first, f);
-        Around { room: fold(room, f64::INFINITY, least), safe: fold(safe, f64::INFINITY, least), close: fold(close, 0.0, most) }
+        all
     }
 
     /// The number of the mover that leaves a robot covered by `discs` the least room.
@@ -241,25 +261,26 @@ impl<'a> Crowd<'a> {
         all.1
     }
 
-    /// May a robot covered by `discs` stay where it is between these times (s) without meeting any at constant velocity? A no may be wrong.
+    /// Visits those that may come to a robot that stays where it is, covered by `discs`, between these times (s) at constant velocity, each with the disc.
     #[inline]
-    pub fn pass(&self, discs: impl Iterator<Item = (Point, f64)>, [from, to]: [f64; 2]) -> bool {
+    pub fn comers(&self, discs: impl Iterator<Item = (Point, f64)>, [from, to]: [f64; 2], mut visit: impl FnMut(&Near, (Point, f64))) {
         for (p, r) in discs {
-            for l in &self.lanes {
-                let mut free = true;
+            for (i, l) in self.lanes.iter().enumerate() {
+                let mut away = [true; LANES];
                 for k in 0..LANES {
                     let (dx, dy) = (p[0] - l.x[k], p[1] - l.y[k]);
                     let t = least(most((dx * l.u[k] + dy * l.v[k]) * l.inverse[k], from), to);
                     let (ex, ey) = (dx - l.u[k] * t, dy - l.v[k] * t);
-                    let limit = l.radius[k] + r + l.keep[k] + l.growth[k] * to + SURE;
-                    free &= ex * ex + ey * ey > limit * limit;
+                    let limit = l.held[k] + r + l.growth[k] * to + SURE;
+                    away[k] = ex * ex + ey * ey > limit * limit;
                 }
-                if !free {
-                    return false;
+                if away != [true; LANES] {
+                    for (near, _) in self.near[LANES * i..].iter().zip(away).filter(|(_, away)| !away) {
+                        visit(near, (p, r));
+                    }
                 }
             }
         }
-        true
     }
 
     /// Is the disc of radius `r` around `p` at least so far from all that movers could reach after `t` s at constant velocity and `more` s of any motion? A no may be

@@ -183,24 +183,19 @@ impl<'a> Field<'a> {
         self.crowd.nearest(discs(self.body, pose), t)
     }
 
-    /// Does no mover come to the robot while it stays at `pose` between these times, s? A no may be wrong.
+    /// The time after `t` s at which movers would meet a robot that stays at `pose`, s: if they go on, and if they turn around at `t`. Infinite, or more than
+    /// `most`, where that takes longer than `most` s.
     #[inline]
-    pub fn undisturbed(&self, pose: [f64; 3], span: [f64; 2]) -> bool {
-        self.crowd.pass(discs(self.body, pose), span)
-    }
-
-    /// The time after `t` s at which movers would meet a robot that stays at `pose`, s (infinite: never): if they go on, and if they turn around at `t`.
-    pub fn met(&self, pose: [f64; 3], t: f64) -> [f64; 2] {
+    pub fn met(&self, pose: [f64; 3], t: f64, most: f64) -> [f64; 2] {
         let mut first = [f64::INFINITY; 2];
-        for (p, r) in discs(self.body, pose) {
-            for near in self.crowd.near() {
-                let (at, v) = (near.track.position, near.track.velocity);
-                let away = [p[0] - at[0] - v[0] * t, p[1] - at[1] - v[1] * t];
-                let keep = near.radius + r + near.keep + near.growth * t;
-                let times = [v, [-v[0], -v[1]]].map(|v| contact(away, v, keep));
-                first = [first[0].min(times[0]), first[1].min(times[1])];
-            }
-        }
+        // A mover that turns around goes back where it came from: one line for both.
+        self.crowd.comers(discs(self.body, pose), [t - most, t + most], |near, (p, r)| {
+            let (at, v) = (near.track.position, near.track.velocity);
+            let away = [p[0] - at[0] - v[0] * t, p[1] - at[1] - v[1] * t];
+            let keep = near.radius + r + near.keep + near.growth * t;
+            let times = [v, [-v[0], -v[1]]].map(|v| contact(away, v, keep));
+            first = [first[0].min(times[0]), first[1].min(times[1])];
+        });
         first
     }
 

@@ -282,11 +282,7 @@ impl<'a> Predictor<'a> {
         let far = 0.5 * sim.v * (self.stop[0] + brake);
         let [x, y, yaw] = sim.pose;
         let pose = if far == 0.0 { sim.pose } else { [x + far * yaw.cos(), y + far * yaw.sin(), yaw] };
-        // A mover that turns around goes back where it came from: one line for both.
-        if self.field.undisturbed(pose, [t - EXPOSED, t + EXPOSED]) {
-            return [0.0; 2];
-        }
-        self.field.met(pose, t).map(|after| (1.0 - after / EXPOSED).max(0.0))
+        self.field.met(pose, t, EXPOSED).map(|after| (1.0 - after / EXPOSED).max(0.0))
     }
 }
 

@@ -76,39 +76,25 @@ struct Lane {
 }
 
 impl Lane {
-    const NONE: Self = {
-        let zero = [0.0; LANES];
-        Self {
-            x: [1e200; LANES],
-            y: zero,
-            u: zero,
-            v: zero,
-            inverse: zero,
-            radius: zero,
-            speed: zero,
-            keep: zero,
-            growth: zero,
-            lively: zero,
-            held: zero,
-            pace: zero,
-            doubt: zero,
-            bound: zero,
-            edged: false,
-        }
-    };
-
     fn of(near: &[Near]) -> Self {
-        let mut lane = Self::NONE;
-        for (k, n) in near.iter().enumerate() {
-            let ([x, y], [u, v], squared) = (n.track.position, n.track.velocity, n.speed * n.speed);
-            (lane.x[k], lane.y[k], lane.u[k], lane.v[k]) = (x, y, u, v);
-            lane.inverse[k] = if squared > 0.0 { 1.0 / squared } else { 0.0 };
-            (lane.radius[k], lane.speed[k], lane.keep[k], lane.growth[k]) = (n.radius, n.speed, n.keep, n.growth);
-            (lane.lively[k], lane.doubt[k], lane.bound[k]) = (n.lively, n.track.doubt, n.track.bound);
-            (lane.held[k], lane.pace[k]) = (n.radius + n.keep, n.speed + n.growth);
-            lane.edged |= !n.round();
+        let all = |value: fn(&Near) -> f64| std::array::from_fn(|k| near.get(k).map_or(0.0, value));
+        Self {
+            x: std::array::from_fn(|k| near.get(k).map_or(1e200, |n| n.track.position[0])),
+            y: all(|n| n.track.position[1]),
+            u: all(|n| n.track.velocity[0]),
+            v: all(|n| n.track.velocity[1]),
+            inverse: all(|n| if n.speed * n.speed > 0.0 { 1.0 / (n.speed * n.speed) } else { 0.0 }),
+            radius: all(|n| n.radius),
+            speed: all(|n| n.speed),
+            keep: all(|n| n.keep),
+            growth: all(|n| n.growth),
+            lively: all(|n| n.lively),
+            held: all(|n| n.radius + n.keep),
+            pace: all(|n| n.speed + n.growth),
+            doubt: all(|n| n.track.doubt),
+            bound: all(|n| n.track.bound),
+            edged: near.iter().any(|n| !n.round()),
         }
-        lane
     }
 
     /// Squares of the distances of a point from where they are after `t` s at constant velocity, m2.
@@ -135,40 +121,49 @@ pub(super) struct Crowd<'a> {
     lanes: Vec<Lane>,
     /// The largest speed that any may have, m/s.
     pub fastest: f64,
+    /// Room for what [`Crowd::part`] works out, m: by lanes, and of those that count with their places.
+    rooms: Vec<[f64; LANES]>,
+    order: Vec<(f64, usize)>,
 }
 
 impl<'a> Crowd<'a> {
     pub fn new(near: Vec<Near<'a>>) -> Self {
         let fastest = near.iter().map(|n| n.track.bound).fold(0.0, f64::max);
-        Self { lanes: near.chunks(LANES).map(Lane::of).collect(), near, fastest }
+        Self { lanes: near.chunks(LANES).map(Lane::of).collect(), near, fastest, rooms: Vec::new(), order: Vec::new() }
     }
 
     /// Puts into `part` those that may make a difference to [`Crowd::around`] (for `v` m/s) and [`Crowd::nearest`] between two times (s) for a robot that is covered by
     /// `discs` at first and whose points move at most at `moves` m/s: all others are farther than near, and farther and met later than another one.
     pub fn part(&self, discs: &(impl Iterator<Item = (Point, f64)> + Clone), [from, to]: [f64; 2], [v, moves]: [f64; 2], part: &mut Self) {
-        let lane = |i: usize, disc: (Point, f64), sign: f64| {
-            let (l, gaps) = (&self.lanes[i], self.gaps(i, disc, from));
-            let change = |k: usize| sign * ((moves + l.speed[k] + l.growth[k]) * (to - from) + SURE);
-            let bounds = |k: usize| [gaps[k] + change(k), (gaps[k] + change(k)) / (v + l.speed[k] + l.growth[k]).max(1e-6)];
-            std::array::from_fn::<_, LANES, _>(bounds)
+        part.rooms.clear();
+        part.rooms.extend((0..self.lanes.len()).map(|i| {
+            let of = discs.clone().map(|disc| self.gaps(i, disc, from));
+            of.fold([f64::INFINITY; LANES], |room, gaps| std::array::from_fn(|k| least(gaps[k], room[k])))
+        }));
+        // Room and time until a contact, at most (1) or at least (-1).
+        let bounds = |l: &Lane, room: &[f64; LANES], sign: f64| -> [[f64; 2]; LANES] {
+            std::array::from_fn(|k| {
+                let bound = room[k] + sign * ((moves + l.pace[k]) * (to - from) + SURE);
+                [bound, bound / most(v + l.pace[k], 1e-6)]
+            })
         };
-        let mut most = [f64::INFINITY; 2];
-        for disc in discs.clone() {
-            for bounds in (0..self.lanes.len()).flat_map(|i| lane(i, disc, 1.0)) {
-                most = [most[0].min(bounds[0]), most[1].min(bounds[1])];
-            }
+        let mut limit = [f64::INFINITY; 2];
+        for [room, time] in self.lanes.iter().zip(&part.rooms).flat_map(|(l, room)| bounds(l, room, 1.0)) {
+            limit = [least(room, limit[0]), least(time, limit[1])];
         }
-        most[0] = most[0].max(WIDE);
-        part.near.clear();
-        for i in 0..self.lanes.len() {
-            let mut counts = [false; LANES];
-            for disc in discs.clone() {
-                for (counts, bounds) in counts.iter_mut().zip(lane(i, disc, -1.0)) {
-                    *counts |= !(bounds[0] > most[0] && bounds[1] > most[1]);
+        limit[0] = most(limit[0], WIDE);
+        part.order.clear();
+        for (i, (l, rooms)) in self.lanes.iter().zip(&part.rooms).enumerate() {
+            for (k, [room, time]) in bounds(l, rooms, -1.0).into_iter().enumerate() {
+                if !(room > limit[0] && time > limit[1]) && LANES * i + k < self.near.len() {
+                    part.order.push((rooms[k], LANES * i + k));
                 }
             }
-            part.near.extend(self.near[LANES * i..].iter().zip(counts).filter(|(_, counts)| *counts).map(|(near, _)| *near));
         }
+        // The nearest first: most others then need no close look.
+        part.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        part.near.clear();
+        part.near.extend(part.order.iter().map(|(_, i)| self.near[*i]));
         part.settle(self.fastest);
     }
 

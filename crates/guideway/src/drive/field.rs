@@ -16,6 +16,8 @@ const BORDER: f64 = 0.03;
 const SPARE: f64 = 0.005;
 /// Movers that are slower than this at most have margins that grow less, m/s.
 const SLOW: f64 = 0.3;
+/// A shortcut leaves so much more room than what it stands for, m: rounding is far below.
+const SURE: f64 = 1e-6;
 /// Shortest step of a contact search, s.
 const LEAST: f64 = 0.01;
 
@@ -88,7 +90,7 @@ impl<'a> Field<'a> {
         if self.gridded {
             return self.world.clearance_within(p, reach);
         }
-        self.shapes.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min)
+        self.shapes.iter().fold(f64::INFINITY, |least, s| if surely_beyond(s, p, least) { least } else { least.min(s.distance(p)) })
     }
 
     /// Distance that the robot at `pose` can move in any direction without meeting a static obstacle (its discs, with their margin), m; not positive
@@ -277,6 +279,14 @@ impl<'a> Field<'a> {
         }
         None
     }
+}
+
+/// Is a shape certainly farther than `least` m from `p`? A no may be wrong.
+#[inline]
+fn surely_beyond(shape: &Shape, p: Point, least: f64) -> bool {
+    let Shape::Disc { center, radius } = shape else { return false };
+    let (dx, dy, limit) = (p[0] - center[0], p[1] - center[1], least + radius + SURE);
+    limit > 0.0 && dx * dx + dy * dy > limit * limit
 }
 
 /// When a point that moves at `v` comes within `keep` of one that is `away` from it, s; infinite: never.

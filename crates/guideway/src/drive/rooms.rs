@@ -3,7 +3,6 @@
 use crate::Point;
 use crate::world::{Bits, ClearanceField, Grid, Shape, World};
 use std::cell::Cell;
-use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
 /// Side of the tiles, m, and how many there may be; there are fewer and larger ones in larger worlds.
@@ -90,10 +89,9 @@ impl Tiles {
         let known = &self.known[j * self.size[0] + i];
         if known.get().is_nan() {
             let middle = [self.low[0] + (i as f64 + 0.5) * self.side, self.low[1] + (j as f64 + 0.5) * self.side];
-            let nearest = shapes.iter().map(|s| s.distance(middle)).fold(f64::INFINITY, f64::min);
-            known.set(nearest - FRAC_1_SQRT_2 * self.side - SURE);
+            known.set(shapes.iter().map(|s| s.distance(middle)).fold(f64::INFINITY, f64::min) - SURE);
         }
-        Some(known.get())
+        Some(known.get() - self.side * off_middle([x, y]))
     }
 }
 
@@ -180,8 +178,15 @@ impl Cells {
                 least = least.min(tiles * side);
             }
         }
-        Some(least - FRAC_1_SQRT_2 * side - SURE)
+        Some(least - side * off_middle(at) - SURE)
     }
+}
+
+/// Distance of a place from the middle of its square of side 1.
+#[inline]
+fn off_middle([x, y]: Point) -> f64 {
+    let [u, v] = [x, y].map(|q| q - f64::from(q as u32) - 0.5);
+    (u * u + v * v).sqrt()
 }
 
 /// The tiles of `by` x `by` bits in which one is set, `size` of them from tile `low` on.

@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
                 list.clear();
                 ways(&node, level, &mut list);
                 self.predictor.part(&node.sim, [node.t, *until], &mut part);
-                let pace = self.predictor.pace([node.t, *until]);
+                let pace = self.predictor.pace(&node.sim, [node.t, *until]);
                 for (k, way) in list.iter().enumerate() {
                     let first = if level == 0 { k } else { node.first };
                     let mut next = self.step(&node, *way, (&pace, *until), &part);
@@ -130,15 +130,20 @@ impl<'a> Search<'a> {
             }
         }
         ended.extend(open);
-        ended.sort_by(|a, b| nodes[*b].score.total_cmp(&nodes[*a].score).then(a.cmp(b)));
-        let mut seen = Vec::new();
-        ended.retain(|i| {
-            !seen.contains(&nodes[*i].first) && {
-                seen.push(nodes[*i].first);
-                true
+        let before = |i: usize, j: usize| nodes[j].score.total_cmp(&nodes[i].score).then(i.cmp(&j));
+        let mut best: Vec<Option<usize>> = Vec::new();
+        for i in ended {
+            let first = nodes[i].first;
+            if best.len() <= first {
+                best.resize(first + 1, None);
             }
-        });
-        Plans { nodes, best: ended }
+            if best[first].is_none_or(|j| before(i, j).is_lt()) {
+                best[first] = Some(i);
+            }
+        }
+        let mut best: Vec<usize> = best.into_iter().flatten().collect();
+        best.sort_unstable_by(|i, j| before(*i, *j));
+        Plans { nodes, best }
     }
 
     fn step(&self, node: &Node, way: Way, (pace, until): (&Pace, f64), [on, stops]: &[Crowd; 2]) -> Node {
@@ -152,16 +157,17 @@ impl<'a> Search<'a> {
         next
     }
 
-    /// The best plans whose ends are not alike.
+    /// The best plans whose ends are not alike; after the last level all, in any order.
     fn keep(&self, nodes: &[Node], from: usize, level: usize) -> Vec<usize> {
-        let mut open: Vec<usize> = (from..nodes.len()).filter(|i| !nodes[*i].lost).collect();
-        open.sort_by(|a, b| nodes[*b].score.total_cmp(&nodes[*a].score).then(a.cmp(b)));
+        let open = (from..nodes.len()).filter(|i| !nodes[*i].lost);
         if level + 1 == self.levels.len() {
-            return open;
+            return open.collect();
         }
+        let mut open: Vec<(f64, usize)> = open.map(|i| (nodes[i].score, i)).collect();
+        open.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let ([place, turn, speed], most) = if level == 0 { (ALIKE[0], WIDER * self.beam) } else { (ALIKE[1], self.beam) };
         let mut kept: Vec<usize> = Vec::with_capacity(most);
-        for i in open {
+        for (_, i) in open {
             let like = |j: &usize| {
                 let (a, b) = (&nodes[i].sim, &nodes[*j].sim);
                 let near = (a.pose[0] - b.pose[0]).abs() < place && (a.pose[1] - b.pose[1]).abs() < place;

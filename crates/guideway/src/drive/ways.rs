@@ -76,22 +76,23 @@ pub(super) struct Forecast {
 }
 
 /// Sine and cosine of the heading that was asked for last: most steps begin where the one before ended.
-#[derive(Default)]
+#[derive(Clone, Copy)]
 struct Facing {
-    /// rad, and its sine and cosine.
-    known: Option<(u64, (f64, f64))>,
+    /// rad, bit by bit, and its sine and cosine.
+    yaw: u64,
+    known: (f64, f64),
 }
 
 impl Facing {
+    fn at(yaw: f64) -> Self {
+        Self { yaw: yaw.to_bits(), known: yaw.sin_cos() }
+    }
+
     fn sin_cos(&mut self, yaw: f64) -> (f64, f64) {
-        match self.known {
-            Some((bits, known)) if bits == yaw.to_bits() => known,
-            _ => {
-                let fresh = yaw.sin_cos();
-                self.known = Some((yaw.to_bits(), fresh));
-                fresh
-            }
+        if self.yaw != yaw.to_bits() {
+            *self = Self::at(yaw);
         }
+        self.known
     }
 
     /// As [`super::arc`], to the last bit.
@@ -116,6 +117,8 @@ pub(super) struct Pace {
     h: f64,
     /// Shares of the way to their targets that speed and turn rate cover in a step.
     shares: [f64; 2],
+    /// The heading at first.
+    facing: Facing,
 }
 
 /// Predicts from one observation.
@@ -191,20 +194,20 @@ impl<'a> Predictor<'a> {
         [self.stop[0] + brake.max(turn) + self.lag[0], v * (self.stop[0] + 0.5 * brake)]
     }
 
-    /// The steps over a span of time, s from now.
-    pub fn pace(&self, span: [f64; 2]) -> Pace {
+    /// The steps from `start` over a span of time, s from now.
+    pub fn pace(&self, start: &Sim, span: [f64; 2]) -> Pace {
         let n = ((span[1] - span[0]) / STEP).round().max(1.0);
         let h = (span[1] - span[0]) / n;
-        Pace { span, n: n as u32, h, shares: self.lag.map(|lag| share(lag, h)) }
+        Pace { span, n: n as u32, h, shares: self.lag.map(|lag| share(lag, h)), facing: Facing::at(start.pose[2]) }
     }
 
     /// Drives `way` from `start`, whose time is that at which `pace` begins, until it ends or the first contact, among the movers of `crowd` on
     /// the way and for stops on it.
     pub fn run(&self, way: Way, start: &Sim, pace: &Pace, [crowd, stops]: [&Crowd; 2]) -> Forecast {
-        let Pace { span, n, h, shares } = *pace;
+        let Pace { span, n, h, shares, mut facing } = *pace;
         let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
         let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
-        let (mut facing, mut place) = (Facing::default(), None);
+        let mut place = None;
         for _ in 0..n {
             let (v, w) = self.speeds(way, &sim, place);
             let moved = self.advance(&mut sim, [v, w], h, (shares, &mut facing));
@@ -268,11 +271,12 @@ impl<'a> Predictor<'a> {
         let at = |share: f64| {
             let [x, y, yaw] = sim.pose;
             let bend = yaw + sim.w * share * (0.5 * turn + reaction) * 0.5;
-            [x + sim.v.signum() * share * length * bend.cos(), y + sim.v.signum() * share * length * bend.sin()]
+            let (sin, cos) = bend.sin_cos();
+            [x + sim.v.signum() * share * length * cos, y + sim.v.signum() * share * length * sin]
         };
         let free = |share: f64, more: f64| crowd.beyond((at(share), reach), [t, more], error);
         // Halfway in time three quarters of the way are driven.
-        free(0.75, 0.5 * whole) && free(1.0, whole)
+        free(1.0, whole) && free(0.75, 0.5 * whole)
     }
 
     /// How soon a robot that begins to stop at `sim`, `t` s from now, would be met where it then stands (0 never, 1 at once): by movers that go on, and by movers
@@ -314,7 +318,7 @@ mod tests {
 
     #[test]
     fn arcs_with_headings_kept_in_mind_are_the_same_to_the_last_bit() {
-        let (mut facing, mut pose) = (Facing::default(), [1.0, -2.0, 0.3]);
+        let (mut facing, mut pose) = (Facing::at(0.3), [1.0, -2.0, 0.3]);
         for k in 0..500_u32 {
             let w = [0.0, 0.7, -1.9, 1e-7, 0.02][k as usize % 5] * f64::from(k / 40);
             let (found, exact) = (facing.arc(pose, 0.01 * f64::from(k), w, 0.1), arc(pose, 0.01 * f64::from(k), w, 0.1));

@@ -73,10 +73,12 @@ struct Lane {
     bound: [f64; LANES],
     /// Are there others than discs?
     edged: bool,
+    /// At most the room at first, m, of these and of all in later lanes.
+    room: f64,
 }
 
 impl Lane {
-    fn of(near: &[Near]) -> Self {
+    fn of(near: &[Near], room: f64) -> Self {
         let all = |value: fn(&Near) -> f64| std::array::from_fn(|k| near.get(k).map_or(0.0, value));
         Self {
             x: std::array::from_fn(|k| near.get(k).map_or(1e200, |n| n.track.position[0])),
@@ -94,6 +96,7 @@ impl Lane {
             doubt: all(|n| n.track.doubt),
             bound: all(|n| n.track.bound),
             edged: near.iter().any(|n| !n.round()),
+            room,
         }
     }
 
@@ -115,13 +118,15 @@ impl Lane {
     }
 }
 
-/// All movers that may matter in one control step.
+/// All movers that may matter in one control step, or those that may matter for a part of it, the nearest first.
 pub(super) struct Crowd<'a> {
     near: Vec<Near<'a>>,
     lanes: Vec<Lane>,
-    /// The largest speed that any may have, m/s.
+    edged: bool,
+    /// The largest speed that any may have, and at which any comes nearer in predictions, margins included, m/s.
     pub fastest: f64,
-    /// Room for what [`Crowd::part`] works out, m: by lanes, and of those that count with their places.
+    haste: f64,
+    /// To work out a part: rooms by lanes, and the rooms and the places of those that count, m.
     rooms: Vec<[f64; LANES]>,
     order: Vec<(f64, usize)>,
 }
@@ -129,7 +134,9 @@ pub(super) struct Crowd<'a> {
 impl<'a> Crowd<'a> {
     pub fn new(near: Vec<Near<'a>>) -> Self {
         let fastest = near.iter().map(|n| n.track.bound).fold(0.0, f64::max);
-        Self { lanes: near.chunks(LANES).map(Lane::of).collect(), near, fastest, rooms: Vec::new(), order: Vec::new() }
+        let lanes: Vec<Lane> = near.chunks(LANES).map(|near| Lane::of(near, f64::NEG_INFINITY)).collect();
+        let edged = lanes.iter().any(|l| l.edged);
+        Self { near, lanes, edged, fastest, haste: 0.0, rooms: Vec::new(), order: Vec::new() }
     }
 
     /// Puts into `part` those that may make a difference to [`Crowd::around`] (for `v` m/s) and [`Crowd::nearest`] between two times (s) for a robot that is covered by
@@ -160,33 +167,40 @@ impl<'a> Crowd<'a> {
                 }
             }
         }
-        // The nearest first: most others then need no close look.
-        part.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        part.near.clear();
-        part.near.extend(part.order.iter().map(|(_, i)| self.near[*i]));
-        part.settle(self.fastest);
+        part.settle(self);
     }
 
     /// Puts into `part` those that may make a difference to [`Crowd::surely_beyond`] and [`Crowd::beyond`] between two times (s), for up to `more` s of any motion and discs
     /// within `r` m of a place that is at `p` at first and moves at most at `moves` m/s.
     pub fn threats(&self, (p, r): (Point, f64), [from, to]: [f64; 2], [moves, more]: [f64; 2], part: &mut Self) {
-        let threat = |n: &&Near| {
+        part.order.clear();
+        for (i, n) in self.near.iter().enumerate() {
             let (q, v) = (n.track.position, n.track.velocity);
             let (dx, dy) = (p[0] - q[0] - v[0] * from, p[1] - q[1] - v[1] * from);
-            let limit = n.radius + n.track.doubt + n.track.bound * more + r + (moves + n.speed) * (to - from) + 2.0 * SURE;
-            let away = dx * dx + dy * dy > limit * limit;
-            !away
-        };
-        part.near.clear();
-        part.near.extend(self.near.iter().filter(threat));
-        part.settle(self.fastest);
+            let room = (dx * dx + dy * dy).sqrt() - n.radius - n.track.doubt - n.track.bound * more - r;
+            let away = room > (moves + n.speed) * (to - from) + 2.0 * SURE;
+            if !away {
+                part.order.push((room, i));
+            }
+        }
+        part.settle(self);
     }
 
-    /// Lays out those that are there now.
-    fn settle(&mut self, fastest: f64) {
+    /// Lays out those of `all` that are in order, the nearest first: most others then need no look.
+    fn settle(&mut self, all: &Self) {
+        self.order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        self.near.clear();
+        self.near.extend(self.order.iter().map(|(_, i)| all.near[*i]));
         self.lanes.clear();
-        self.lanes.extend(self.near.chunks(LANES).map(Lane::of));
-        self.fastest = fastest;
+        self.lanes.extend(self.near.chunks(LANES).zip(self.order.iter().step_by(LANES)).map(|(near, (room, _))| Lane::of(near, *room)));
+        self.edged = self.lanes.iter().any(|l| l.edged);
+        self.fastest = all.fastest;
+        self.haste = self.near.iter().map(|n| n.speed + n.growth).fold(0.0, f64::max);
+    }
+
+    /// By how much room may have become less at most, `t` s after a part was worked out and with the robot's points moved by `driven` m since then, m.
+    pub fn spent(&self, driven: f64, t: f64) -> f64 {
+        driven + self.haste * t + SURE
     }
 
     pub fn near(&self) -> &[Near<'a>] {
@@ -212,33 +226,38 @@ impl<'a> Crowd<'a> {
         }
     }
 
-    /// What they mean for a robot covered by `discs` whose points move at most at `v` m/s, after `t` s at constant velocity.
+    /// What they mean for a robot covered by `discs` whose points move at most at `v` m/s, after `t` s at constant velocity. In a part rooms have become less by at
+    /// most `spent` m.
     #[inline]
-    pub fn around(&self, discs: impl Iterator<Item = (Point, f64)>, t: f64, v: f64) -> Around {
-        let mut all = Around { room: f64::INFINITY, safe: f64::INFINITY, close: 0.0 };
+    pub fn around(&self, discs: impl Iterator<Item = (Point, f64)>, (t, spent): (f64, f64), v: f64) -> Around {
+        if self.edged { self.look::<true>(discs, (t, spent), v) } else { self.look::<false>(discs, (t, spent), v) }
+    }
+
+    #[inline]
+    fn look<const EDGED: bool>(&self, discs: impl Iterator<Item = (Point, f64)>, (t, spent): (f64, f64), v: f64) -> Around {
+        let (mut room, mut safe, mut close) = (f64::INFINITY, f64::INFINITY, 0.0);
         for (p, r) in discs {
             for (i, l) in self.lanes.iter().enumerate() {
-                // Who is not near, and farther and met later than another one, makes no difference.
-                let (squares, least_far) = (l.squares(p, t), most(all.room, WIDE));
-                let mut far = true;
-                for k in 0..LANES {
-                    let limit = most(least_far, all.safe * (v + l.pace[k])) + l.held[k] + l.growth[k] * t + (r + SURE);
-                    far &= squares[k] > limit * limit;
+                // Who is not near, and farther and met later than another one, makes no difference; nor does any after it.
+                if l.room - spent > most(most(room, WIDE), safe * (v + self.haste)) {
+                    break;
                 }
-                if !far {
-                    let mut gaps = l.gaps(squares, r, t);
-                    if l.edged {
-                        self.edge(i, (p, r), t, &mut gaps);
-                    }
+                let mut gaps = l.gaps(l.squares(p, t), r, t);
+                if EDGED {
+                    self.edge(i, (p, r), t, &mut gaps);
+                }
+                for k in 0..LANES {
+                    room = least(gaps[k], room);
+                    safe = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), safe);
+                }
+                if gaps.iter().any(|gap| *gap < WIDE) {
                     for k in 0..LANES {
-                        all.room = least(gaps[k], all.room);
-                        all.safe = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), all.safe);
-                        all.close = most(l.lively[k] * (1.0 - gaps[k] / WIDE), all.close);
+                        close = most(l.lively[k] * (1.0 - gaps[k] / WIDE), close);
                     }
                 }
             }
         }
-        all
+        Around { room, safe, close }
     }
 
     /// The number of the mover that leaves a robot covered by `discs` the least room.
@@ -278,11 +297,17 @@ impl<'a> Crowd<'a> {
         }
     }
 
+    /// The first lanes, those that matter where rooms have become less by at most `spent` m.
+    fn mattering(&self, spent: f64) -> &[Lane] {
+        let away = |l: &Lane| l.room > spent;
+        &self.lanes[..self.lanes.iter().position(away).unwrap_or(self.lanes.len())]
+    }
+
     /// Is the disc of radius `r` around `p` at least so far from all that movers could reach after `t` s at constant velocity and `more` s of any motion? A no may be
-    /// wrong.
+    /// wrong. In a part rooms have become less by at most `spent` m.
     #[inline]
-    pub fn surely_beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2]) -> bool {
-        self.lanes.iter().all(|l| {
+    pub fn surely_beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2], spent: f64) -> bool {
+        self.mattering(spent).iter().all(|l| {
             let mut free = true;
             for k in 0..LANES {
                 let (dx, dy) = (p[0] - l.x[k] - l.u[k] * t, p[1] - l.y[k] - l.v[k] * t);
@@ -295,9 +320,9 @@ impl<'a> Crowd<'a> {
 
     /// As [`Crowd::surely_beyond`] for a disc of radius `r` and a distance of `least` m, and right.
     #[inline]
-    pub fn beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2], least: f64) -> bool {
-        self.surely_beyond((p, r + least), [t, more])
-            || self.near.iter().all(|n| {
+    pub fn beyond(&self, (p, r): (Point, f64), [t, more]: [f64; 2], least: f64, spent: f64) -> bool {
+        self.surely_beyond((p, r + least), [t, more], spent)
+            || self.near.iter().take(LANES * self.mattering(spent).len()).all(|n| {
                 let room = n.distance(p, t) - n.track.doubt - n.track.bound * more - r;
                 room >= least || room.is_nan()
             })

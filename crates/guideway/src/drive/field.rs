@@ -171,13 +171,13 @@ impl<'a> Field<'a> {
     /// Movers at constant velocity around `pose` after `t` s, for a robot whose points move at most at `v` m/s.
     #[inline]
     pub fn movers(&self, pose: [f64; 3], t: f64, v: f64) -> Around {
-        self.movers_of(&self.crowd, pose, t, v)
+        self.movers_of(&self.crowd, pose, (t, 0.0), v)
     }
 
-    /// As [`Field::movers`] with a part of them.
+    /// As [`Field::movers`] with a part of them, for which rooms have become less by at most `spent` m.
     #[inline]
-    pub fn movers_of(&self, part: &Crowd<'a>, pose: [f64; 3], t: f64, v: f64) -> Around {
-        part.around(discs(self.body, pose), t, v)
+    pub fn movers_of(&self, part: &Crowd<'a>, pose: [f64; 3], (t, spent): (f64, f64), v: f64) -> Around {
+        part.around(discs(self.body, pose), (t, spent), v)
     }
 
     /// The number of the mover that leaves the robot at `pose` the least room after `t` s.

@@ -206,13 +206,14 @@ impl<'a> Predictor<'a> {
     pub fn run(&self, way: Way, start: &Sim, pace: &Pace, [crowd, stops]: [&Crowd; 2]) -> Forecast {
         let Pace { span, n, h, shares, mut facing } = *pace;
         let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
-        let (mut sim, mut t, mut slack, mut safe) = (*start, span[0], 0.0, span[0]);
+        let (mut sim, mut t, mut slack, mut safe, mut driven) = (*start, span[0], 0.0, span[0], 0.0);
         let mut place = None;
         for _ in 0..n {
             let (v, w) = self.speeds(way, &sim, place);
             let moved = self.advance(&mut sim, [v, w], h, (shares, &mut facing));
             t += h;
             slack -= moved;
+            driven += moved;
             if slack <= 0.0 {
                 slack = self.field.free(sim.pose);
                 if slack <= 0.0 {
@@ -222,14 +223,14 @@ impl<'a> Predictor<'a> {
             }
             let own = sim.v.abs() + self.arm * sim.w.abs();
             if t >= safe {
-                let Around { room, safe: time, close } = self.field.movers_of(crowd, sim.pose, t, self.robot.speed);
+                let Around { room, safe: time, close } = self.field.movers_of(crowd, sim.pose, (t, crowd.spent(driven, t - span[0])), self.robot.speed);
                 if room <= 0.0 {
                     (found.contact, found.end, found.parked) = (Some((t, Met::Mover(self.field.first(sim.pose, t)))), sim, own < STANDING);
                     return found;
                 }
                 found.near += h * close;
                 if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
-                    && !self.stoppable(&sim, t, stops)
+                    && !self.stoppable(&sim, t, (stops, stops.spent(driven, t - span[0])))
                 {
                     (found.end, found.late) = (sim, Some(t));
                     return found;
@@ -258,14 +259,14 @@ impl<'a> Predictor<'a> {
 
     /// Could the robot at `sim`, `t` s from now, still stop before movers can reach it, if they kept their velocities until then? At least nearly so:
     /// looked at halfway through the stop and at its end.
-    fn stoppable(&self, sim: &Sim, t: f64, crowd: &Crowd) -> bool {
+    fn stoppable(&self, sim: &Sim, t: f64, (crowd, spent): (&Crowd, f64)) -> bool {
         let [reaction, error] = self.stop;
         let (v, w, reach) = (sim.v.abs(), sim.w.abs(), self.field.crowd().1);
         if v < STANDING && w < STANDING {
             return true;
         }
         let ([whole, length], turn) = (self.stop_of(v, w), w / self.robot.turn_acceleration);
-        if crowd.surely_beyond(([sim.pose[0], sim.pose[1]], reach + error + length), [t, whole]) {
+        if crowd.surely_beyond(([sim.pose[0], sim.pose[1]], reach + error + length), [t, whole], spent) {
             return true;
         }
         let at = |share: f64| {
@@ -274,7 +275,7 @@ impl<'a> Predictor<'a> {
             let (sin, cos) = bend.sin_cos();
             [x + sim.v.signum() * share * length * cos, y + sim.v.signum() * share * length * sin]
         };
-        let free = |share: f64, more: f64| crowd.beyond((at(share), reach), [t, more], error);
+        let free = |share: f64, more: f64| crowd.beyond((at(share), reach), [t, more], error, spent);
         // Halfway in time three quarters of the way are driven.
         free(1.0, whole) && free(0.75, 0.5 * whole)
     }

@@ -246,13 +246,13 @@ impl<'a> Crowd<'a> {
                 if EDGED {
                     self.edge(i, (p, r), t, &mut gaps);
                 }
-                for k in 0..LANES {
-                    room = least(gaps[k], room);
-                    safe = least(gaps[k] / most(v + l.speed[k] + l.growth[k], 1e-6), safe);
+                for (k, gap) in gaps.into_iter().enumerate() {
+                    room = least(gap, room);
+                    safe = least(gap / most(v + l.speed[k] + l.growth[k], 1e-6), safe);
                 }
                 if gaps.iter().any(|gap| *gap < WIDE) {
-                    for k in 0..LANES {
-                        close = most(l.lively[k] * (1.0 - gaps[k] / WIDE), close);
+                    for (gap, lively) in gaps.into_iter().zip(l.lively) {
+                        close = most(lively * (1.0 - gap / WIDE), close);
                     }
                 }
             }
@@ -280,14 +280,13 @@ impl<'a> Crowd<'a> {
     pub fn comers(&self, discs: impl Iterator<Item = (Point, f64)>, [from, to]: [f64; 2], mut visit: impl FnMut(&Near, (Point, f64))) {
         for (p, r) in discs {
             for (i, l) in self.lanes.iter().enumerate() {
-                let mut away = [true; LANES];
-                for k in 0..LANES {
+                let away: [bool; LANES] = std::array::from_fn(|k| {
                     let (dx, dy) = (p[0] - l.x[k], p[1] - l.y[k]);
                     let t = least(most((dx * l.u[k] + dy * l.v[k]) * l.inverse[k], from), to);
                     let (ex, ey) = (dx - l.u[k] * t, dy - l.v[k] * t);
                     let limit = l.held[k] + r + l.growth[k] * to + SURE;
-                    away[k] = ex * ex + ey * ey > limit * limit;
-                }
+                    ex * ex + ey * ey > limit * limit
+                });
                 if away != [true; LANES] {
                     for (near, _) in self.near[LANES * i..].iter().zip(away).filter(|(_, away)| !away) {
                         visit(near, (p, r));
@@ -339,4 +338,55 @@ fn least(a: f64, b: f64) -> f64 {
 #[inline]
 fn most(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::Outline;
+    use proptest::prelude::*;
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
+
+    fn track(id: usize, rng: &mut ChaCha8Rng) -> Track {
+        let mut any = |half: f64| rng.random_range(-half..half);
+        let corners = vec![[-0.3, -0.2], [0.4, -0.2], [0.1, 0.5]];
+        let points = if any(1.0) < 0.0 { corners } else { vec![[0.0; 2]] };
+        let outline = Outline { points, radius: any(0.3).abs() };
+        Track { id, outline, position: [any(6.0), any(6.0)], velocity: [any(1.5), any(1.5)], bound: 1.5 + any(1.5), doubt: any(0.2).abs() }
+    }
+
+    fn near(track: Track, rng: &mut ChaCha8Rng) -> Near<'static> {
+        let (speed, radius) = (track.velocity[0].hypot(track.velocity[1]), track.outline.circumscribed());
+        let [keep, growth, lively] = [0.2, 0.05, 1.0].map(|most| rng.random_range(0.0..most));
+        Near { track: Box::leak(Box::new(track)), radius, speed, keep, growth, lively }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+        #[test]
+        fn the_part_of_a_crowd_that_matters_tells_what_all_of_it_tell(seed in 0..u64::MAX, n in 1..16_usize, from in 0.0..3.0_f64, span in 0.2..2.0_f64) {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let movers = (0..n).map(|id| near(track(id, &mut rng), &mut rng)).collect();
+            let all = Crowd::new(movers);
+            let (v, moves, more, length) = (1.0, 1.4, 1.2, 0.6);
+            let discs = |p: Point| [([p[0] - 0.2, p[1]], 0.25), ([p[0] + 0.2, p[1] + 0.1], 0.3)].into_iter();
+            let [mut on, mut stops] = [Crowd::new(Vec::new()), Crowd::new(Vec::new())];
+            all.part(&discs([0.0; 2]), [from, from + span], [v, moves], &mut on);
+            all.threats(([0.0; 2], 0.5 + 0.05 + length), [from, from + span], [moves, more], &mut stops);
+            let (mut p, mut driven, steps) = ([0.0; 2], 0.0, 12);
+            for k in 0..=steps {
+                let t = f64::from(k) * span / f64::from(steps);
+                let (found, exact) = (on.around(discs(p), (from + t, on.spent(driven, t)), v), all.around(discs(p), (from + t, 0.0), v));
+                prop_assert_eq!([found.room, found.safe, found.close], [exact.room, exact.safe, exact.close]);
+                let stop = [p[0] + rng.random_range(0.0..length), p[1]];
+                let time = [from + t, rng.random_range(0.0..more)];
+                let spent = stops.spent(driven, t);
+                prop_assert_eq!(stops.beyond((stop, 0.5), time, 0.05, spent), all.beyond((stop, 0.5), time, 0.05, 0.0));
+                let (angle, far) = (rng.random_range(0.0..6.3_f64), moves * span / f64::from(steps) * rng.random_range(0.0..1.0));
+                (p, driven) = ([p[0] + far * angle.cos(), p[1] + far * angle.sin()], driven + far);
+            }
+        }
+    }
 }

@@ -223,7 +223,8 @@ impl<'a> Predictor<'a> {
             }
             let own = sim.v.abs() + self.arm * sim.w.abs();
             if t >= safe {
-                let Around { room, safe: time, close } = self.field.movers_of(crowd, sim.pose, (t, crowd.spent(driven, t - span[0])), self.robot.speed);
+                let Around { room, safe: time, close } =
+                    self.field.movers_of(crowd, sim.pose, (t, crowd.spent(driven, t - span[0])), self.robot.speed);
                 if room <= 0.0 {
                     (found.contact, found.end, found.parked) = (Some((t, Met::Mover(self.field.first(sim.pose, t)))), sim, own < STANDING);
                     return found;

@@ -108,9 +108,7 @@ impl LocalMap {
                 *open += 1;
                 unknown.set(x, y, false);
             }
-            if *e == LEAST {
-                return false;
-            }
+            // Those that are as free as can be do not wait.
             *e -= 1;
             if *e == 0 {
                 blocked.set(x, y, false);

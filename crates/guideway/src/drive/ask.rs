@@ -4,6 +4,7 @@ use super::{Course, Observation, Robot};
 use crate::Point;
 use crate::context::Context;
 use crate::error::PlanError;
+use crate::plan::search::Visibility;
 use crate::plan::{Planner, Solution};
 use crate::query::{Limits, Query};
 use crate::refine::{Refiner, Smooth};
@@ -54,19 +55,28 @@ impl Planning {
         self
     }
 
-    /// A motion for what is asked: the planner repairs its last plan if it can, a path that cannot be smoothed is driven as it is, and one that cannot be entered at the
+    /// A motion for what is asked: the planner repairs its last plan if it can, where it finds none the exact one is asked, a path that cannot be smoothed is driven as it is, and one that cannot be entered at the
     /// robot's speed is entered from rest.
     /// # Errors
     /// Those of the planner and of the timing.
     pub fn motion(&self, ask: &Ask, ctx: &mut Context) -> Result<Trajectory, PlanError> {
         let query = &ask.query;
         let mut previous = self.previous.lock().unwrap_or_else(PoisonError::into_inner);
-        let solution = match previous.as_ref() {
-            Some(known) => self.planner.replan(known, query, ctx)?,
-            None => self.planner.plan(query, ctx)?,
+        let found = match previous.as_ref() {
+            Some(known) => self.planner.replan(known, query, ctx),
+            None => self.planner.plan(query, ctx),
         };
-        let path = Smooth::default().refine(&solution.path, query, ctx).map_or_else(|_| solution.path.clone(), |refined| refined.path);
-        *previous = Some(solution);
+        let found = match found {
+            // Beside an obstacle the cell of the robot's own place may be none that is free.
+            Err(error @ (PlanError::NoPath(_) | PlanError::StartBlocked { .. })) => Visibility::default().plan(query, ctx).map_err(|_| error)?.path,
+            found => {
+                let solution = found?;
+                let path = solution.path.clone();
+                *previous = Some(solution);
+                path
+            }
+        };
+        let path = Smooth::default().refine(&found, query, ctx).map_or(found, |refined| refined.path);
         let start_speed = ask.speed.clamp(0.0, self.limits.speed);
         let zones = self.speed_map.as_deref().map(|map| |s: f64| map.around(path.planar(s).point));
         let clearance_ceiling = zones.as_ref().map(|f| f as &dyn Fn(f64) -> f64);
@@ -110,4 +120,28 @@ pub(super) fn asks(
 fn around(center: Point, radius: f64, body: f64, free: [Point; 2]) -> Option<Shape> {
     let radius = free.iter().map(|p| distance(center, *p) - body - SPARE).fold(radius, f64::min);
     (radius > 0.0).then_some(Shape::Disc { center, radius })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::limits;
+    use super::*;
+    use crate::plan;
+    use serde_json::Value;
+
+    /// Between the cells: the robot has come beside a disc that covers the middle of the only cell it could begin in.
+    #[test]
+    fn where_a_planner_on_cells_cannot_begin_the_exact_one_is_asked() {
+        let walls = [[0.0, 0.0, 6.0, 2.0], [0.0, 3.0, 6.0, 4.0]];
+        let wall = |[x0, y0, x1, y1]: [f64; 4]| Shape::polygon(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).unwrap();
+        let disc = Shape::Disc { center: [2.5, 2.5], radius: 0.2 };
+        let world = Arc::new(World::from_shapes([0.0, 0.0, 6.0, 4.0], walls.map(wall).into_iter().chain([disc]).collect(), 1.0).unwrap());
+        let query = Query { footprint: Footprint::Disc(0.1), ..Query::new(world, [2.9, 2.5], [5.5, 2.5]) };
+        let astar = || plan::planner("astar", Value::Null).unwrap();
+        assert!(astar().plan(&query, &mut Context::new(0)).is_err());
+        let motion = |query: &Query| Planning::new(astar(), limits()).motion(&Ask { query: query.clone(), speed: 0.0 }, &mut Context::new(0));
+        assert!((motion(&query).unwrap().path.length() - 2.6).abs() < 1e-6);
+        let closed = Query { world: Arc::new(query.world.extended([wall([4.0, 1.0, 4.5, 3.5])])), ..query };
+        assert!(matches!(motion(&closed), Err(PlanError::NoPath(_))), "the planner's own error");
+    }
 }

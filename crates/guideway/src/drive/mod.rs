@@ -18,6 +18,7 @@ mod guard;
 mod guide;
 mod improved;
 mod lidar;
+mod limiter;
 mod local;
 mod navigator;
 mod outline;
@@ -209,15 +210,28 @@ pub enum Decision {
     Replan(Reason),
 }
 
+/// How the commands of a controller are kept to the share and the speed that an [`Observation`] allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pacing {
+    /// It does so itself, within the limit of jerk; its commands are not changed.
+    Eased,
+    /// It has judged each of its commands; they are cut and not changed otherwise.
+    Judged,
+    /// They are cut, and slowed where they would else exceed the limits of acceleration and jerk; never faster than decided.
+    Slower,
+    /// They are brought within the limits of acceleration, deceleration and jerk, also where that means to slow down later.
+    Limited,
+}
+
 /// Turns observations into commands.
 pub trait Controller: Send {
     /// What to follow, before the first step and after every new plan.
     fn follow(&mut self, guide: &Arc<Guide>);
     /// One control step.
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision;
-    /// Does it keep to the share and the speed that an observation allows by itself, within the limit of jerk? Its commands are then not cut.
-    fn eases(&self) -> bool {
-        false
+    /// How its commands are kept to the share and the speed that an observation allows.
+    fn pacing(&self) -> Pacing {
+        Pacing::Slower
     }
     /// What the last step had in mind, for pictures.
     fn trace(&self) -> Option<Sketch> {

@@ -1,10 +1,11 @@
 //! Perception, navigation and control behind one step: what [`execute`](super::execute) runs, and what a robot's own control loop calls.
 
+use super::limiter::Limiter;
 use super::navigator::Navigator;
 use super::pace::Pace;
 use super::{
-    Command, Controller, Course, Decision, Event, Eyes, Found, Guide, Job, Observation, OwnReplanner, Reason, Request, Robot, Scan, Sense, Sketch,
-    Track,
+    Command, Controller, Course, Decision, Event, Eyes, Found, Guide, Job, Observation, OwnReplanner, Pacing, Reason, Request, Robot, Scan, Sense,
+    Sketch, Track,
 };
 use crate::Point;
 use crate::context::Context;
@@ -52,6 +53,7 @@ pub struct Pilot<'a> {
     /// What is added to the time of the caller, and the last time, s.
     clock: [f64; 2],
     pace: Pace,
+    limiter: Limiter,
     speed_map: Option<Arc<SpeedMap>>,
     robot: Robot,
 }
@@ -63,8 +65,8 @@ impl<C: Controller + ?Sized> Controller for &mut C {
     fn decide(&mut self, seen: &Observation, ctx: &mut Context) -> Decision {
         (**self).decide(seen, ctx)
     }
-    fn eases(&self) -> bool {
-        (**self).eases()
+    fn pacing(&self) -> Pacing {
+        (**self).pacing()
     }
     fn trace(&self) -> Option<Sketch> {
         (**self).trace()
@@ -92,6 +94,7 @@ impl<'a> Pilot<'a> {
             named: None,
             clock: [0.0, f64::NEG_INFINITY],
             pace: Pace::new(robot, trajectory.limits.jerk),
+            limiter: Limiter::new(robot, trajectory.limits.jerk),
             speed_map: None,
             robot: robot.clone(),
         })
@@ -234,14 +237,23 @@ impl<'a> Pilot<'a> {
     }
 
     /// A decision within the speed that is allowed: slower on the same arc where the controller has not done so itself.
-    fn paced(&self, decision: Decision, seen: &Observation) -> Decision {
-        let eases = self.controller.eases();
-        let rolls = eases && matches!(decision, Decision::Drive(command) if command.v != 0.0);
-        match decision {
-            _ if self.pace.held && seen.share <= 0.0 && !rolls => Decision::Stop(Reason::new("held")),
-            Decision::Drive(command) if !eases => Decision::Drive(seen.within(&self.robot, command)),
+    fn paced(&mut self, decision: Decision, seen: &Observation) -> Decision {
+        let pacing = self.controller.pacing();
+        let decision = match decision {
+            Decision::Drive(command) if pacing != Pacing::Eased => {
+                let cut = seen.within(&self.robot, command);
+                let most = (seen.share * self.robot.speed).min(seen.top);
+                let overridden = self.pace.held || self.pace.now() < 1.0;
+                Decision::Drive(self.limiter.step((command, cut), most, (seen.time, overridden), pacing))
+            }
             other => other,
+        };
+        let rolls = pacing != Pacing::Judged && matches!(decision, Decision::Drive(command) if command.v != 0.0);
+        let decision = if self.pace.held && seen.share <= 0.0 && !rolls { Decision::Stop(Reason::new("held")) } else { decision };
+        if !matches!(decision, Decision::Drive(_)) {
+            self.limiter.braked(seen.v, seen.time);
         }
+        decision
     }
 
     /// Largest speed that the map of speeds allows here, and from which those ahead on the course are met in time, m/s.
@@ -249,7 +261,7 @@ impl<'a> Pilot<'a> {
         let Some(map) = &self.speed_map else { return f64::INFINITY };
         let p = [seen.pose[0], seen.pose[1]];
         let course = &self.guide().course;
-        let (robot, eases) = (&self.robot, self.controller.eases());
+        let (robot, eases) = (&self.robot, self.controller.pacing() == Pacing::Eased);
         // A ramp needs longer for the same: its rate must rise and fall.
         let time = if eases { 2.0 * AHEAD + robot.deceleration / robot.jerk } else { AHEAD };
         let slow = if eases { 0.7 * robot.deceleration } else { robot.deceleration };

@@ -6,7 +6,7 @@
 //! that stops and restarts keep the acceleration limits.
 
 use super::filter::Filter;
-use super::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Track};
+use super::{Command, Controller, Course, Decision, Guide, Observation, Pacing, Reason, Setup, Track};
 use crate::context::Context;
 use crate::error::PlanError;
 use crate::timing::State;
@@ -95,6 +95,10 @@ struct Following {
 }
 
 impl Controller for Following {
+    fn pacing(&self) -> Pacing {
+        Pacing::Limited
+    }
+
     fn follow(&mut self, guide: &Arc<Guide>) {
         self.course = Some(Arc::clone(&guide.course));
         self.clock = if guide.from > 0.0 { guide.course.at_length(guide.from).t } else { 0.0 };

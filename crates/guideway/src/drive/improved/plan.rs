@@ -15,7 +15,7 @@ use crate::drive::ramp::Ramp;
 use crate::drive::rooms::Rooms;
 use crate::drive::search::{Node, Plans, Search};
 use crate::drive::ways::{Predictor, Sim, Way, escapes};
-use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Reason, Setup, Sketch};
+use crate::drive::{Command, Controller, Course, Decision, Guide, Observation, Pacing, Reason, Setup, Sketch};
 use crate::world::World;
 use crate::world::shape::wrap;
 use std::sync::Arc;
@@ -150,8 +150,8 @@ impl Controller for Planning {
         decision
     }
 
-    fn eases(&self) -> bool {
-        self.p.jerk_limited
+    fn pacing(&self) -> Pacing {
+        if self.p.jerk_limited { Pacing::Eased } else { Pacing::Judged }
     }
 
     fn trace(&self) -> Option<Sketch> {

@@ -1,9 +1,11 @@
-use super::super::testing::{legs, limits, parked, query, room};
+use super::super::testing::{curve, legs, limits, parked, query, room};
 use super::super::{Ask, Delivery, Outcome, Outline, Planning, Plant, Run, Setup, Track, Unicycle, UnicyclePlant, controller, execute};
 use super::*;
+use crate::context::stream;
 use crate::plan;
 use crate::world::shape::distance;
 use crate::world::{Appears, Footprint, Mover, Shape, SpeedMap, World};
+use rand::RngExt;
 use serde_json::Value;
 
 const ROOM: [f64; 4] = [0.0, 0.0, 10.0, 6.0];
@@ -352,4 +354,49 @@ fn with_plans_that_take_time_a_blocked_corridor_is_left_as_well() {
     }
     let zero = run(&world, |job| job.delivery = Delivery::After(0.0));
     assert_eq!(zero.outcome, Outcome::Arrived);
+}
+
+/// Whatever the override and the stops, and whenever they come.
+#[test]
+fn commands_keep_the_limits_of_acceleration_and_jerk_under_any_override() {
+    let bends = [[1.0, 3.0], [3.0, 3.0], [4.0, 4.5], [6.0, 4.5], [7.0, 1.5], [8.0, 3.0], [9.0, 3.0]];
+    let world = room(ROOM, Vec::new(), Vec::new());
+    let (motion, query) = (curve(&bends), query(&world, &[bends[0], bends[6]]));
+    let robot = Robot::new(query.footprint.clone(), &motion.limits).unwrap();
+    let setup = Setup { world: Arc::clone(&world), robot: robot.clone(), clearance: 0.1 };
+    let (jerk, dt) = (motion.limits.jerk, 0.02);
+    for (name, set) in [("tracker", Value::Null), ("dwa", Value::Null), ("improved-dwa", serde_json::json!({"preset": "paper"}))] {
+        for seed in 0..if name == "tracker" { 12 } else { 3 } {
+            let mut rng = stream(seed, 7, 0);
+            let mut pilot = Pilot::new((&query, &motion), &robot, controller(name, set.clone(), &setup).unwrap(), None).unwrap();
+            let mut plant = Unicycle::default().place(&robot, [1.0, 3.0, 0.0], seed);
+            let (mut speeds, mut reduced, mut next) = (Vec::new(), false, 40);
+            for k in 0..1500_u32 {
+                if k == next {
+                    pilot.set_share(if rng.random_bool(0.3) { 1.0 } else { rng.random_range(0.05..1.0) }).unwrap();
+                    pilot.hold(rng.random_bool(0.3));
+                    next += rng.random_range(5..150);
+                }
+                let mut seen = Observation { time: dt * f64::from(k), ..plant.observe() };
+                let step = pilot.step(&mut seen, None, &mut Context::new(0));
+                let braked = step.stop.as_deref().is_some_and(|why| why != "held");
+                // Without an override windows step from speed to speed.
+                reduced = pilot.pace.now() < 1.0 || (reduced && name == "tracker");
+                if braked || !reduced {
+                    speeds.clear();
+                }
+                speeds.push(step.command.v);
+                plant.step(step.command, dt);
+                let [.., a, b, c] = speeds[..] else { continue };
+                let (before, now) = ((b - a) / dt, (c - b) / dt);
+                // Windows slow down as they decide, which may be more: what they slow down for may be in the way.
+                let from = if name == "tracker" { before } else { before.max(-robot.deceleration) };
+                let rises = now <= robot.acceleration * (1.0 + 1e-9) && now - from <= jerk * dt * (1.0 + 1e-6);
+                assert!(rises || (name != "tracker" && now <= 0.0), "{name} {seed} {k}: {before} {now}");
+                let falls = now >= -robot.deceleration * (1.0 + 1e-9) && before - now <= jerk * dt * (1.0 + 1e-6);
+                assert!(name != "tracker" || falls, "{name} {seed} {k}: {before} {now}");
+            }
+            assert!(distance([plant.motion().pose[0], plant.motion().pose[1]], bends[0]) > 1.0, "{name} {seed} goes on");
+        }
+    }
 }

@@ -80,16 +80,30 @@ impl Course {
 
     /// The states at arc lengths that do not decrease, as [`Course::at_length`] has them.
     pub fn at_lengths(&self, lengths: impl IntoIterator<Item = f64>) -> Vec<State> {
+        self.before(lengths).map(|(i, s)| self.between(i, |q| q.s, s)).collect()
+    }
+
+    /// Arc lengths (m) and places of these states.
+    pub fn places(&self, lengths: impl IntoIterator<Item = f64>) -> impl Iterator<Item = (f64, Point)> {
+        self.before(lengths).map(|(i, s)| {
+            let (a, b) = (&self.states[i.saturating_sub(1)], &self.states[i.min(self.states.len() - 1)]);
+            let r = if i == 0 || i == self.states.len() { 0.0 } else { (s - a.s) / (b.s - a.s).max(1e-300) };
+            let mix = |p: f64, q: f64| p + r * (q - p);
+            (mix(a.s, b.s), [mix(a.pose[0], b.pose[0]), mix(a.pose[1], b.pose[1])])
+        })
+    }
+
+    /// Arc lengths that do not decrease, each with the number of the states up to it.
+    fn before(&self, lengths: impl IntoIterator<Item = f64>) -> impl Iterator<Item = (usize, f64)> {
         let mut i = None;
-        let at = |s: f64| {
+        lengths.into_iter().map(move |s| {
             let mut next = i.unwrap_or_else(|| self.states.partition_point(|q| q.s <= s));
             while self.states.get(next).is_some_and(|q| q.s <= s) {
                 next += 1;
             }
             i = Some(next);
-            self.between(next, |q| q.s, s)
-        };
-        lengths.into_iter().map(at).collect()
+            (next, s)
+        })
     }
 
     fn between(&self, i: usize, key: impl Fn(&State) -> f64, x: f64) -> State {

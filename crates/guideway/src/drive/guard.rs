@@ -167,6 +167,7 @@ pub(super) fn share(lag: f64, h: f64) -> f64 {
 #[inline]
 pub(super) fn lagged([x, target]: [f64; 2], share: f64, limits: [f64; 2], h: f64) -> f64 {
     let wanted = (target - x) * share;
-    let limit = limits[usize::from(x * wanted < 0.0)] * h;
+    let [away, toward] = limits;
+    let limit = if x * wanted < 0.0 { toward } else { away } * h;
     x + wanted.clamp(-limit, limit)
 }

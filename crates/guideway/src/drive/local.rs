@@ -2,7 +2,6 @@
 
 use super::Course;
 use crate::Point;
-use crate::world::shape::wrap;
 
 /// Spacing, m.
 const STEP: f64 = 0.05;
@@ -52,21 +51,19 @@ impl Local {
     /// Index of the nearest mark, found by going on or back from `i`.
     #[inline]
     pub fn nearest(&self, mut i: usize, p: Point) -> usize {
-        let d2 = |i: usize| (self.marks[i].point[0] - p[0]).powi(2) + (self.marks[i].point[1] - p[1]).powi(2);
-        let (from, mut here) = (i, d2(i));
-        while i + 1 < self.marks.len() {
-            let next = d2(i + 1);
-            if next > here {
-                break;
-            }
+        let marks = &self.marks[..];
+        let d2 = |m: &Mark| (m.point[0] - p[0]).powi(2) + (m.point[1] - p[1]).powi(2);
+        let (from, mut here) = (i, d2(&marks[i]));
+        while let Some(next) = marks.get(i + 1).map(d2)
+            && next <= here
+        {
             (i, here) = (i + 1, next);
         }
         // Who has gone on need not go back.
-        while i > 0 && i <= from {
-            let next = d2(i - 1);
-            if next >= here {
-                break;
-            }
+        while i <= from
+            && let Some(next) = i.checked_sub(1).map(|k| d2(&marks[k]))
+            && next < here
+        {
             (i, here) = (i - 1, next);
         }
         i
@@ -84,11 +81,12 @@ impl Local {
         &self.marks[i]
     }
 
-    /// Arc length (m), distance to the left (m) and heading (rad) of a pose relative to mark `i`.
-    pub fn relative(&self, i: usize, pose: [f64; 3]) -> [f64; 3] {
+    /// Arc length (m) and distance to the left (m) of a pose relative to mark `i`.
+    #[inline]
+    pub fn relative(&self, i: usize, pose: [f64; 3]) -> [f64; 2] {
         let m = &self.marks[i];
         let (dx, dy) = (pose[0] - m.point[0], pose[1] - m.point[1]);
         let along = (m.along[0] * dx + m.along[1] * dy).clamp(-STEP, STEP);
-        [(m.s + along).min(self.length), m.along[0] * dy - m.along[1] * dx, wrap(pose[2] - m.yaw)]
+        [(m.s + along).min(self.length), m.along[0] * dy - m.along[1] * dx]
     }
 }

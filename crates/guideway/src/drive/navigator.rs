@@ -336,10 +336,10 @@ impl<'a> Navigator<'a> {
         let limit = if self.radius > body { body + 0.25 * (self.radius - body) } else { core + 0.5 * (self.radius - core).max(0.0) };
         let length = self.guide.course.length();
         let n = ((length - self.s) / APART).ceil().max(0.0) as usize;
-        let places = self.guide.course.at_lengths((0..=n).map(|k| self.s + APART * k as f64));
+        let mut places = self.guide.course.places((0..=n).map(|k| self.s + APART * k as f64));
         // Where there is more room than is asked for, the places that are nearer than that need no look.
         let (mut clear, mut last) = (0.0, p);
-        places.into_iter().map(|q| (q.s, [q.pose[0], q.pose[1]])).find(|(_, q)| {
+        places.find(|(_, q)| {
             clear -= distance(*q, last);
             last = *q;
             if clear >= 0.0 || distance(*q, p) <= 0.1 {

@@ -146,7 +146,7 @@ impl<'a> Predictor<'a> {
 
     /// As [`Predictor::wanted`], with the place relative to the path where it is known.
     #[inline]
-    fn speeds(&self, way: Way, sim: &Sim, known: Option<[f64; 3]>) -> (f64, f64) {
+    fn speeds(&self, way: Way, sim: &Sim, known: Option<[f64; 2]>) -> (f64, f64) {
         let (mark, early) = (self.local.mark(sim.mark), self.early * sim.v.max(0.0));
         match way {
             Way::Arc { v, w } => (v, w),
@@ -158,11 +158,11 @@ impl<'a> Predictor<'a> {
                 self.turned(wrap(dy.atan2(dx) - sim.pose[2]), v.min(approach(EASY * self.robot.deceleration, far)))
             }
             Way::Follow { share, offset } => {
-                let [s, lateral, heading] = known.unwrap_or_else(|| self.local.relative(sim.mark, sim.pose));
+                let [s, lateral] = known.unwrap_or_else(|| self.local.relative(sim.mark, sim.pose));
                 let left = (self.local.length - s - early).max(0.0);
                 // A field of headings that leads to the offset line, steeper at low speed; the offset fades towards the end of the path.
                 let aside = offset.clamp(-left, left) - lateral;
-                let error = wrap((2.0 * aside / (0.5 + sim.v.max(0.0))).atan() - heading);
+                let error = wrap((2.0 * aside / (0.5 + sim.v.max(0.0))).atan() - wrap(sim.pose[2] - mark.yaw));
                 let stop = approach(EASY * self.robot.deceleration, left);
                 let v = if error.abs() > PLACE { 0.0 } else { (share * mark.speed).min(stop) * error.cos().powi(2) };
                 (v, self.rate(v * mark.curvature + SPIN * error))

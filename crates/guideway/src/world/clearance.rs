@@ -140,7 +140,8 @@ fn up(x: f64) -> i64 {
 fn row_gap(set: &Bits, j: u32, x: f64, reach: f64) -> Option<f64> {
     let last = i64::from(set.width()) - 1;
     let (low, high) = ((up(x - reach).saturating_sub(1)).max(0), down(x + reach).min(last));
-    if low > high {
+    // Most rows are empty.
+    if low > high || !set.any(j, low, high) {
         return None;
     }
     let own = down(x).clamp(low, high) as u32;

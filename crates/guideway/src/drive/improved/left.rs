@@ -29,7 +29,7 @@ pub(super) fn nothing(command: Command) -> bool {
 /// Distance to the goal that is left, m, by the cost-to-go of the global layer where there is one and the end is not near; the last bit counts more, so that
 /// it is worth driving.
 pub(super) fn left(sim: &Sim, local: &Local, to_go: Option<(&CostToGo, f64)>) -> f64 {
-    let [s, lateral, _] = local.relative(sim.mark, sim.pose);
+    let [s, lateral] = local.relative(sim.mark, sim.pose);
     let p = [sim.pose[0], sim.pose[1]];
     if let Some((field, now)) = to_go
         && local.length - s > NEAR_END

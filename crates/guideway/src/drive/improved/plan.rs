@@ -262,7 +262,7 @@ impl Planning {
     fn undisturbed(&mut self, predictor: &Predictor, guard: &Guard, start: &Sim, seen: &Observation) -> Option<Decision> {
         let way = Way::Follow { share: 1.0, offset: 0.0 };
         let place = |sim: &Sim| predictor.local.relative(sim.mark, sim.pose);
-        let ([s, lateral, _], left) = (place(start), predictor.local.length - place(start)[0]);
+        let ([s, lateral], left) = (place(start), predictor.local.length - place(start)[0]);
         if lateral.abs() > ON_IT || left < NEAR_END {
             return None;
         }

@@ -5,7 +5,7 @@
 
 use super::crowd::Crowd;
 use super::field::Met;
-use super::ways::{Pace, Predictor, Sim, Way};
+use super::ways::{Forecast, Predictor, Sim, Way};
 use crate::Point;
 use crate::world::shape::wrap;
 
@@ -46,6 +46,17 @@ impl Node {
     /// Where a search begins.
     fn at(sim: Sim) -> Self {
         Self { sim, t: 0.0, aside: 0.0, near: 0.0, exposed: [0.0; 2], rest: 0.0, left: 0.0, first: 0, parent: 0, met: None, lost: false, score: 0.0 }
+    }
+
+    /// It, and then what was found up to a time, s.
+    fn then(&self, found: &Forecast, until: f64) -> Self {
+        let mut next = Self { sim: found.end, t: until, aside: self.aside + found.aside, near: self.near + found.near, ..*self };
+        if let Some((t, met)) = found.contact {
+            (next.t, next.met, next.lost) = (if found.parked { t } else { t - 0.5 }, Some(met), true);
+        } else if let Some(t) = found.late {
+            (next.t, next.lost) = (t - 0.25, true);
+        }
+        next
     }
 }
 
@@ -97,7 +108,7 @@ impl<'a> Search<'a> {
     ) -> Plans {
         let (mut nodes, mut open, mut ended) = (Vec::with_capacity(MOST), vec![0], Vec::new());
         nodes.push(Node::at(start));
-        let (mut list, mut part) = (Vec::new(), [const { Vec::new() }; 2].map(Crowd::<'a>::new));
+        let (mut list, mut found, mut part) = (Vec::new(), Vec::new(), [const { Vec::new() }; 2].map(Crowd::<'a>::new));
         for (level, until) in self.levels.iter().enumerate() {
             let from = nodes.len();
             for &i in &open {
@@ -106,9 +117,10 @@ impl<'a> Search<'a> {
                 ways(&node, level, &mut list);
                 self.predictor.part(&node.sim, [node.t, *until], &mut part);
                 let pace = self.predictor.pace(&node.sim, [node.t, *until]);
-                for (k, way) in list.iter().enumerate() {
+                self.predictor.run(&list, &node.sim, &pace, [&part[0], &part[1]], &mut found);
+                for (k, found) in found.iter().enumerate() {
                     let first = if level == 0 { k } else { node.first };
-                    let mut next = self.step(&node, *way, (&pace, *until), &part);
+                    let mut next = node.then(found, *until);
                     (next.first, next.parent) = (first, i);
                     if next.lost {
                         next.score = LOST + SECOND * next.t - next.near;
@@ -144,17 +156,6 @@ impl<'a> Search<'a> {
         let mut best: Vec<usize> = best.into_iter().flatten().collect();
         best.sort_unstable_by(|i, j| before(*i, *j));
         Plans { nodes, best }
-    }
-
-    fn step(&self, node: &Node, way: Way, (pace, until): (&Pace, f64), [on, stops]: &[Crowd; 2]) -> Node {
-        let found = self.predictor.run(way, &node.sim, pace, [on, stops]);
-        let mut next = Node { sim: found.end, t: until, aside: node.aside + found.aside, near: node.near + found.near, ..*node };
-        if let Some((t, met)) = found.contact {
-            (next.t, next.met, next.lost) = (if found.parked { t } else { t - 0.5 }, Some(met), true);
-        } else if let Some(t) = found.late {
-            (next.t, next.lost) = (t - 0.25, true);
-        }
-        next
     }
 
     /// The best plans whose ends are not alike; after the last level all, in any order.

@@ -59,24 +59,44 @@ pub(super) struct Sim {
     pub mark: usize,
 }
 
-/// What a prediction found.
+/// A prediction, and what it found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Forecast {
+    way: Way,
     /// First contact, s from now.
     pub contact: Option<(f64, Met)>,
     /// The robot was at rest at the contact.
     pub parked: bool,
     /// When it could not be sure to stop in time any more, s from now.
     pub late: Option<f64>,
-    /// State at the end or the contact.
+    /// State at the end or the contact; on the way there the present one.
     pub end: Sim,
     /// Integral of the distance from the path, m s, and of the nearness to movers, s.
     pub aside: f64,
     pub near: f64,
+    /// Has it met something?
+    over: bool,
+    /// s from now; nothing is near until `safe`.
+    t: f64,
+    safe: f64,
+    /// What any point of the body has moved at most, and may move before a static obstacle can be met, m.
+    driven: f64,
+    slack: f64,
+    facing: Facing,
+    /// Relative to the path, where it is known.
+    place: Option<[f64; 2]>,
+}
+
+impl Forecast {
+    fn at(way: Way, start: Sim, pace: &Pace) -> Self {
+        let (t, facing) = (pace.span[0], pace.facing);
+        let (contact, late, place) = (None, None, None);
+        Self { way, contact, parked: false, late, end: start, aside: 0.0, near: 0.0, over: false, t, safe: t, driven: 0.0, slack: 0.0, facing, place }
+    }
 }
 
 /// Sine and cosine of the heading that was asked for last: most steps begin where the one before ended.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Facing {
     /// rad, bit by bit, and its sine and cosine.
     yaw: u64,
@@ -201,50 +221,63 @@ impl<'a> Predictor<'a> {
         Pace { span, n: n as u32, h, shares: self.lag.map(|lag| share(lag, h)), facing: Facing::at(start.pose[2]) }
     }
 
-    /// Drives `way` from `start`, whose time is that at which `pace` begins, until it ends or the first contact, among the movers of `crowd` on
-    /// the way and for stops on it.
-    pub fn run(&self, way: Way, start: &Sim, pace: &Pace, [crowd, stops]: [&Crowd; 2]) -> Forecast {
-        let Pace { span, n, h, shares, mut facing } = *pace;
-        let mut found = Forecast { contact: None, parked: false, late: None, end: *start, aside: 0.0, near: 0.0 };
-        let (mut sim, mut t, mut slack, mut safe, mut driven) = (*start, span[0], 0.0, span[0], 0.0);
-        let mut place = None;
-        for _ in 0..n {
-            let (v, w) = self.speeds(way, &sim, place);
-            let moved = self.advance(&mut sim, [v, w], h, (shares, &mut facing));
-            t += h;
-            slack -= moved;
-            driven += moved;
-            if slack <= 0.0 {
-                slack = self.field.free(sim.pose);
-                if slack <= 0.0 {
-                    (found.contact, found.end) = (Some((t, Met::Static)), sim);
-                    return found;
-                }
+    /// Drives each of `ways` from `start`, whose time is that at which `pace` begins, until it ends or the first contact, among the movers of `crowd` on the way and
+    /// for stops on it. All go on step by step together: what one waits for, a sine or a root, another one's step fills.
+    pub fn run(&self, ways: &[Way], start: &Sim, pace: &Pace, crowds: [&Crowd; 2], all: &mut Vec<Forecast>) {
+        all.clear();
+        all.extend(ways.iter().map(|way| Forecast::at(*way, *start, pace)));
+        for _ in 0..pace.n {
+            for one in all.iter_mut().filter(|one| !one.over) {
+                self.go_on(one, pace);
             }
-            let own = sim.v.abs() + self.arm * sim.w.abs();
-            if t >= safe {
-                let Around { room, safe: time, close } =
-                    self.field.movers_of(crowd, sim.pose, (t, crowd.spent(driven, t - span[0])), self.robot.speed);
-                if room <= 0.0 {
-                    (found.contact, found.end, found.parked) = (Some((t, Met::Mover(self.field.first(sim.pose, t)))), sim, own < STANDING);
-                    return found;
-                }
-                found.near += h * close;
-                if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
-                    && !self.stoppable(&sim, t, (stops, stops.spent(driven, t - span[0])))
-                {
-                    (found.end, found.late) = (sim, Some(t));
-                    return found;
-                }
-                // Until then nothing is near, whatever the robot does.
-                safe = t + if room > WIDE { time * (1.0 - WIDE / room) } else { 0.0 };
+            for one in all.iter_mut().filter(|one| !one.over) {
+                one.over = self.look(one, pace, crowds);
             }
-            let relative = self.local.relative(sim.mark, sim.pose);
-            place = Some(relative);
-            found.aside += h * relative[1].abs().min(self.limit);
         }
-        found.end = sim;
-        found
+    }
+
+    /// One step.
+    #[inline]
+    fn go_on(&self, one: &mut Forecast, pace: &Pace) {
+        let (v, w) = self.speeds(one.way, &one.end, one.place);
+        let moved = self.advance(&mut one.end, [v, w], pace.h, (pace.shares, &mut one.facing));
+        one.t += pace.h;
+        one.slack -= moved;
+        one.driven += moved;
+    }
+
+    /// What a step has led to: true if it is the last.
+    #[inline]
+    fn look(&self, one: &mut Forecast, pace: &Pace, [crowd, stops]: [&Crowd; 2]) -> bool {
+        let (sim, t, h, driven) = (one.end, one.t, pace.h, one.driven);
+        if one.slack <= 0.0 {
+            one.slack = self.field.free(sim.pose);
+            if one.slack <= 0.0 {
+                one.contact = Some((t, Met::Static));
+                return true;
+            }
+        }
+        if t >= one.safe {
+            let Around { room, safe, close } = self.field.movers_of(crowd, sim.pose, (t, crowd.spent(driven, t - pace.span[0])), self.robot.speed);
+            if room <= 0.0 {
+                one.parked = sim.v.abs() + self.arm * sim.w.abs() < STANDING;
+                one.contact = Some((t, Met::Mover(self.field.first(sim.pose, t))));
+                return true;
+            }
+            one.near += h * close;
+            if room < self.field.fastest() * (self.stop[0] + sim.v.abs() / self.robot.deceleration + 0.5) + sim.v.abs()
+                && !self.stoppable(&sim, t, (stops, stops.spent(driven, t - pace.span[0])))
+            {
+                one.late = Some(t);
+                return true;
+            }
+            // Until then nothing is near, whatever the robot does.
+            one.safe = t + if room > WIDE { safe * (1.0 - WIDE / room) } else { 0.0 };
+        }
+        let place = self.local.relative(sim.mark, sim.pose);
+        one.place = Some(place);
+        one.aside += h * place[1].abs().min(self.limit);
+        false
     }
 
     /// Moves on by one step; how far any point of the body has moved at most, m.

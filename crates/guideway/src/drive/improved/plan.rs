@@ -266,7 +266,9 @@ impl Planning {
         if lateral.abs() > ON_IT || left < NEAR_END {
             return None;
         }
-        let on = predictor.run(way, start, &predictor.pace(start, [0.0, self.p.horizon]), [predictor.field.crowd().0; 2]);
+        let mut found = Vec::new();
+        predictor.run(&[way], start, &predictor.pace(start, [0.0, self.p.horizon]), [predictor.field.crowd().0; 2], &mut found);
+        let on = found.pop()?;
         let exposed = [predictor.exposure(start, 0.0), predictor.exposure(&on.end, self.p.horizon)].iter().flatten().any(|e| *e > 0.0);
         if exposed || on.contact.is_some() || on.late.is_some() || on.near > 0.0 || place(&on.end)[0] - s < 0.5 * NEAR_END {
             return None;

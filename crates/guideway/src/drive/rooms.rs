@@ -3,6 +3,7 @@
 use crate::Point;
 use crate::world::{Bits, ClearanceField, Grid, Shape, World};
 use std::cell::Cell;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
 /// Side of the tiles, m, and how many there may be; there are fewer and larger ones in larger worlds.
@@ -178,7 +179,9 @@ impl Cells {
                 least = least.min(tiles * side);
             }
         }
-        Some(least - side * off_middle(at) - SURE)
+        // Within a blocked tile nothing is known of how deep a place is.
+        let off = if least > 0.0 { off_middle(at) } else { FRAC_1_SQRT_2 };
+        Some(least - side * off - SURE)
     }
 }
 

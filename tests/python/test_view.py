@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import guideway as gw
 from guideway import view
 from guideway.view import profile, scenery
 from pages import markup
 
 report_module = import_module("guideway.view.report")
+figure_module = import_module("guideway.view.figure")
 
 
 class Room:
@@ -346,3 +348,21 @@ def test_the_page_evaluates_the_trajectory(tmp_path: Path) -> None:
     assert shown[:3] == pytest.approx([0.5 + 0.2 * 3 - 0.06 * 9 / 2, 0.2 - 0.06 * 3, -0.06], abs=0.006)
     assert re.search(r"<b>5.00</b> / 6.00 s", text)
     assert text.count('class="turn"') == 1
+
+
+def test_what_is_only_forbidden_is_drawn_apart_from_walls(tmp_path: Path) -> None:
+    cells = np.zeros((6, 8), dtype=np.uint8)
+    cells[2, 1:4] = scenery.BLOCKED
+    rule = np.zeros((6, 8), dtype=bool)
+    rule[2:4, 3:6] = True
+    world = gw.World(cells, resolution=0.5).forbidding(cells=rule)
+    expected = np.where(cells == scenery.BLOCKED, scenery.BLOCKED, np.where(rule, scenery.FORBIDDEN, scenery.FREE))
+    assert np.array_equal(decoded(scenery.picture(world)["walls"]), expected)
+    assert np.array_equal(decoded(scenery.picture(scenery.Snapshot.of(world))["walls"]), expected)
+    pixels = figure_module.map_pixels(world, 100, plain=True)
+    assert (pixels[rule & (cells == 0)] == scenery.OFF_LIMITS).all()
+    assert (pixels[cells == 1] == figure_module.WALL).all()
+    halls = gw.World(bounds=(0, 0, 6, 4), resolution=0.1, shapes=[{"disc": {"center": [2, 2], "radius": 0.5}}])
+    shapes = scenery.picture(halls.forbidding(shapes=[{"disc": {"center": [4, 2], "radius": 0.5}}]))["shapes"]
+    assert [(shape["disc"]["center"], shape.get("forbidden", False)) for shape in shapes] == [([2.0, 2.0], False), ([4.0, 2.0], True)]
+    assert not any("forbidden" in shape for shape in scenery.picture(halls)["shapes"])

@@ -18,7 +18,20 @@ from .geometry import Array, arc_length, footprint_radius, listed, outline, poin
 from .products import expand
 from .profile import robot_footprint
 from .report import is_run, labels
-from .scenery import BLOCKED, SHADE_SIDE, UNKNOWN, Scenery, field_cell, shading, shrink_field, shrink_walls
+from .scenery import (
+    BLOCKED,
+    FORBIDDEN,
+    OFF_LIMITS,
+    SHADE_SIDE,
+    UNKNOWN,
+    Scenery,
+    drawn_cells,
+    drawn_shapes,
+    field_cell,
+    shading,
+    shrink_field,
+    shrink_walls,
+)
 
 COLOURS = ("#0072b2", "#007d59", "#a04a82", "#946200", "#7d4e2d", "#6b5fb5")
 """As in the page: told apart with every common colour vision, dark enough for text on white."""
@@ -45,7 +58,7 @@ def map_png(world: Scenery, path: str | os.PathLike[str]) -> Path:
 
 def map_pixels(world: Scenery, most: int, plain: bool = False) -> NDArray[np.uint8]:
     """The map as ``(height, width, 3)`` colours, row 0 on top, at most ``most`` pixels a side; ``plain`` without clearance shading."""
-    cells, field = world.occupancy(), world.clearance_field()
+    cells, field = drawn_cells(world), world.clearance_field()
     if cells is None and field is None:
         raise ValueError("this world has no grid to draw: give it a resolution, or draw its shapes with figure()")
     shape = cells.shape if cells is not None else np.asarray(field).shape
@@ -58,7 +71,8 @@ def map_pixels(world: Scenery, most: int, plain: bool = False) -> NDArray[np.uin
     pixels = np.asarray(NEAR) + tone[..., None] * (np.asarray(FAR) - np.asarray(NEAR))
     if cells is not None:
         small_cells = shrink_walls(np.asarray(cells), factor)
-        pixels[small_cells == BLOCKED], pixels[small_cells == UNKNOWN] = WALL, UNSEEN
+        for kind, colour in ((BLOCKED, WALL), (UNKNOWN, UNSEEN), (FORBIDDEN, OFF_LIMITS)):
+            pixels[small_cells == kind] = colour
     return np.round(pixels).astype(np.uint8)
 
 
@@ -138,12 +152,16 @@ def draw_world(axes: Any, world: Scenery, plain: bool = False) -> None:
         place = Affine2D().rotate(yaw).translate(x, y) + axes.transData
         image = map_pixels(world, 2 * SHADE_SIDE, plain)
         axes.imshow(image, extent=(0, grid.shape[1] * cell, 0, grid.shape[0] * cell), transform=place, interpolation="nearest", zorder=0)
-    wall = tuple(channel / 255 for channel in WALL)
-    for shape in world.shapes:
+    shapes, wall, off_limits = drawn_shapes(world), *(tuple(channel / 255 for channel in colour) for colour in (WALL, OFF_LIMITS))
+    for shape in sorted(shapes, key=lambda shape: not shape.get("forbidden", False)):
+        colour = off_limits if shape.get("forbidden") else wall
         if "disc" in shape:
-            axes.add_patch(Circle(shape["disc"]["center"], shape["disc"]["radius"], color=wall, linewidth=0))
+            axes.add_patch(Circle(shape["disc"]["center"], shape["disc"]["radius"], color=colour, linewidth=0))
         else:
-            axes.add_patch(Polygon(shape["polygon"]["points"], color=wall, linewidth=0))
+            axes.add_patch(Polygon(shape["polygon"]["points"], color=colour, linewidth=0))
+    marked = drawn_cells(world)
+    if any(shape.get("forbidden") for shape in shapes) or (marked is not None and (marked == FORBIDDEN).any()):
+        axes.fill([], [], color=off_limits, label="forbidden")
 
 
 def draw_result(axes: Any, result: Mapping[str, Any], label: str, colour: str, alone: bool) -> None:

@@ -14,7 +14,8 @@ from PIL import Image
 
 from .geometry import shape_distance
 
-FREE, BLOCKED, UNKNOWN = 0, 1, 2
+FREE, BLOCKED, UNKNOWN, FORBIDDEN = 0, 1, 2, 3
+OFF_LIMITS = (232, 190, 178)
 
 WALL_PIXELS = 4096 * 4096
 """Most pixels of an embedded wall image; larger maps are reduced (browsers on phones refuse larger canvases)."""
@@ -74,7 +75,7 @@ class Snapshot:
     @classmethod
     def of(cls, world: Scenery) -> Snapshot:
         """The present state of a world."""
-        return cls(world.resolution, world.origin, world.bounds, list(world.shapes), world.occupancy(), world.clearance_field())
+        return cls(world.resolution, world.origin, world.bounds, drawn_shapes(world), drawn_cells(world), world.clearance_field())
 
     def occupancy(self) -> NDArray[np.uint8] | None:
         """As :class:`Scenery`."""
@@ -85,13 +86,30 @@ class Snapshot:
         return self.field
 
 
+def drawn_cells(world: Scenery) -> NDArray[np.uint8] | None:
+    """The cells of a world, those that are only forbidden apart: as :meth:`Scenery.occupancy`, and 3 for what no wall but a keep-out mask blocks."""
+    cells, solid = world.occupancy(), getattr(world, "solid", None)
+    if cells is None or solid is None:
+        return cells
+    return np.where((cells == BLOCKED) & (solid.occupancy() != BLOCKED), FORBIDDEN, cells).astype(np.uint8)
+
+
+def drawn_shapes(world: Scenery) -> list[Mapping[str, Any]]:
+    """The shapes of a world, with ``forbidden`` true where nothing stands."""
+    solid = getattr(world, "solid", None)
+    if solid is None:
+        return list(world.shapes)
+    standing = list(solid.shapes)
+    return [shape if shape in standing else {**shape, "forbidden": True} for shape in world.shapes]
+
+
 def shrink_walls(cells: NDArray[np.uint8], factor: int) -> NDArray[np.uint8]:
-    """Reduces a map by an integer factor so that no wall is lost: a block is blocked if any cell is, else unknown if any is."""
+    """Reduces a map by an integer factor so that no wall is lost: a block is blocked if any cell is, else forbidden, else unknown if any is."""
     height, width = cells.shape
     padded = np.pad(cells, ((0, -height % factor), (0, -width % factor)), constant_values=FREE)
     blocks = padded.reshape(padded.shape[0] // factor, factor, padded.shape[1] // factor, factor)
-    blocked, unknown = (blocks == BLOCKED).any(axis=(1, 3)), (blocks == UNKNOWN).any(axis=(1, 3))
-    return np.where(blocked, BLOCKED, np.where(unknown, UNKNOWN, FREE)).astype(np.uint8)
+    blocked, unknown, forbidden = ((blocks == kind).any(axis=(1, 3)) for kind in (BLOCKED, UNKNOWN, FORBIDDEN))
+    return np.where(blocked, BLOCKED, np.where(forbidden, FORBIDDEN, np.where(unknown, UNKNOWN, FREE))).astype(np.uint8)
 
 
 def shrink_field(field: NDArray[np.floating[Any]], factor: int) -> NDArray[np.float32]:
@@ -120,7 +138,8 @@ def walls(cells: NDArray[np.uint8], resolution: float) -> dict[str, Any]:
         factor += 1
     while True:
         small = cells if factor == 1 else shrink_walls(cells, factor)
-        data = palette_png(np.minimum(small, UNKNOWN), [(255, 255, 255), (46, 56, 68), (214, 219, 225)], clear=FREE)
+        colours = [(255, 255, 255), (46, 56, 68), (214, 219, 225), OFF_LIMITS][: 4 if (small == FORBIDDEN).any() else 3]
+        data = palette_png(np.minimum(small, len(colours) - 1), colours, clear=FREE)
         if len(data) <= WALL_BYTES:
             return image_entry(data, small.shape, resolution * factor, cells.shape, resolution) | {"factor": factor}
         factor += 1
@@ -148,10 +167,10 @@ def image_entry(data: bytes, shape: tuple[int, ...], pixel: float, cells: tuple[
 
 def picture(world: Scenery) -> dict[str, Any]:
     """Everything the page draws of a world, ready for JSON."""
-    cells, field = world.occupancy(), world.clearance_field()
+    cells, field = drawn_cells(world), world.clearance_field()
     bounds = [float(v) for v in world.bounds]
     origin = [float(v) for v in world.origin] if cells is not None else [bounds[0], bounds[1], 0.0]
-    entry: dict[str, Any] = {"bounds": bounds, "origin": origin, "shapes": list(world.shapes), "walls": None, "shade": None}
+    entry: dict[str, Any] = {"bounds": bounds, "origin": origin, "shapes": drawn_shapes(world), "walls": None, "shade": None}
     if cells is not None and cells.size:
         entry["walls"] = walls(np.asarray(cells, dtype=np.uint8), float(world.resolution))
     if field is not None and field.size:

@@ -247,10 +247,11 @@ function drawPin(pen, view, point, letter, colour) {
   pen.restore();
 }
 
-/** Static discs and polygons of a scene. */
+/** Static discs and polygons of a scene, below them what is only forbidden. */
 function drawShapes(pen, view, shapes, colour) {
-  pen.fillStyle = colour.wall;
-  for (const shape of list(shapes).map(record)) {
+  const all = list(shapes).map(record);
+  for (const shape of [...all.filter((one) => one.forbidden), ...all.filter((one) => !one.forbidden)]) {
+    pen.fillStyle = shape.forbidden ? colour.forbidden : colour.wall;
     pen.beginPath();
     if (shape.disc) traceFootprint(pen, view, { disc: number(shape.disc.radius) }, { x: number(list(shape.disc.center)[0]), y: number(list(shape.disc.center)[1]), yaw: 0 });
     else traceFootprint(pen, view, shape, { x: 0, y: 0, yaw: 0 });

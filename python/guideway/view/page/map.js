@@ -3,7 +3,7 @@
 const colours = () => {
   const style = getComputedStyle(document.documentElement);
   const named = (name) => style.getPropertyValue(`--${name}`).trim();
-  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "near", "far", "mover", "grid", "halo", "accent", "good", "bad", "scent-0", "scent-1", "scent-2", "scent-3", "scent-4"];
+  const names = ["ink", "soft", "faint", "line", "hair", "surface", "void", "unknown", "wall", "forbidden", "near", "far", "mover", "grid", "halo", "accent", "good", "bad", "scent-0", "scent-1", "scent-2", "scent-3", "scent-4"];
   return Object.fromEntries(names.map((name) => [name, named(name)]));
 };
 

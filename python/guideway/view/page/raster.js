@@ -51,7 +51,7 @@ async function loadLevels(entry, colours) {
 async function loadWorld(world, colour) {
   const shades = Array.from({ length: 64 }, (_, i) => blend(rgb(colour.near), rgb(colour.far), i / 63));
   const [wallLevels, shadeLevels] = await Promise.all([
-    world.walls ? loadLevels(world.walls, [rgb(colour.far), rgb(colour.wall), rgb(colour.unknown)]) : null,
+    world.walls ? loadLevels(world.walls, [rgb(colour.far), rgb(colour.wall), rgb(colour.unknown), rgb(colour.forbidden)]) : null,
     world.shade ? loadLevels(world.shade, shades) : null,
   ]);
   return { wallLevels, shadeLevels };

@@ -61,7 +61,7 @@ function pathMap(host, paths, worlds) {
   const note = make("p", { class: "hint" });
   host.replaceChildren(canvas, legendOf(paths, numbers.some((number) => worlds[number] && list(worlds[number].movers).length)), note);
   const loaded = new Map();
-  const colour = () => ({ near: styleOf("--near"), far: styleOf("--far"), wall: styleOf("--wall"), unknown: styleOf("--unknown") });
+  const colour = () => ({ near: styleOf("--near"), far: styleOf("--far"), wall: styleOf("--wall"), unknown: styleOf("--unknown"), forbidden: styleOf("--forbidden") });
 
   const bounds = (drawn) => {
     const world = worlds[shown];

@@ -142,6 +142,17 @@ def test_windows_and_speeds_at_the_ends(tmp_path, capsys):
     motion = gw.arm.load_motion(json.loads((tmp_path / "traj.json").read_text()))
     assert motion.along([0.0])[0, 1] == pytest.approx(0.5)
     assert motion.along([motion.duration])[0, 1] == pytest.approx(0.3)
+    (tmp_path / "jerk.toml").write_text("jerk = 150.0\n")
+    words = ["--limits", "jerk.toml", "--start-speed", "0.5", "--end-speed", "0.3", "--no-collisions", "--out", "traj.json"]
+    code, out, err = run(capsys, *STAR, *words)
+    assert code == 0, err
+    record = json.loads((tmp_path / "traj.json").read_text())
+    assert next(check for check in record["certificate"]["checks"] if check["name"].startswith("jerk"))["ok"]
+    motion = gw.arm.load_motion(record)
+    assert motion.along([0.0, motion.duration])[:, 1] == pytest.approx([0.5, 0.3])
+    code, out, err = run(capsys, *STAR, "--limits", "jerk.toml", "--end-speed", "9", "--no-collisions")
+    assert code == 3
+    assert "the path speed at the end can be at most" in err
 
 
 BAD = [

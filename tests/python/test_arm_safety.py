@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -15,9 +16,11 @@ pytest.importorskip("pinocchio")
 
 import guideway as gw
 from guideway import schemas
+from guideway.arm.certificate import worst_rate
 from guideway.arm.collisions import Surroundings, check
 from guideway.arm.meshes import load_stl, solid
 from guideway.arm.motion import ArmMotion
+from guideway.arm.paths import path_through
 from guideway.arm.shapes import Scene, load_scene, mesh
 
 
@@ -236,6 +239,30 @@ def test_an_override_slows_down(motion, factor):
     assert later.along(later.time_at(place))[0, 1] == pytest.approx(factor * motion.along(motion.time_at(place))[0, 1], rel=1e-6)
     with pytest.raises(gw.BadParameter, match="override"):
         motion.override(1.5)
+
+
+def test_an_override_checks_torque_rates():
+    """The second joint of an arm held out falls: gravity and the jerk change its torque in opposite ways, less so when it is slower."""
+    arm = gw.arm.robot("ur5e")
+    path = path_through(np.array([[0.0, -0.9, 0.0, 0.0, 0.0, 0.0], [0.0, 0.1, 0.0, 0.0, 0.0, 0.0]]), arm.names)
+    s = np.array([path.path.length / 2])
+    held = gw.arm.torque_rows(arm, path.path, gw.arm.JointLimits(torque=300.0))
+    step = 1e-4
+    rows, after = held(s), held(s + step)
+    change, inertia = (after["c"] - rows["c"])[0, 1] / step, rows["a"][0, 1]
+    jerk = -change / inertia
+    pieces = np.array([[0.0, s[0], 1.0, 0.0, jerk, 0.01]])
+    fast = gw.arm.ArmMotion(path, pieces, gw.arm.JointLimits(torque_rate=0.2 * abs(change)), arm)
+    assert worst_rate(fast) < 1
+    with pytest.raises(gw.Infeasible, match="limit of torque rate"):
+        fast.override(0.6)
+    assert worst_rate(fast.override(0.1)) < 1
+
+
+def test_a_brake_says_what_it_uses_of_the_torque_rate(arm, motion):
+    limited = replace(motion, limits=replace(motion.limits, torque_rate=500.0))
+    assert limited.stop_from(0.5).report["brake"]["torque_rate"] > 0
+    assert "torque_rate" not in motion.stop_from(0.5).report["brake"]
 
 
 def test_the_record_is_the_motion(arm, motion):

@@ -133,3 +133,24 @@ def test_a_ceiling_and_windows():
         gw.time_joints(path, LIMITS, windows=[(half, 0.0, 0.01)])
     with pytest.raises(gw.BadParameter):
         gw.time_joints(path, LIMITS, windows=[(half,)])
+    for jerk in (False, True):
+        with pytest.raises(gw.BadParameter, match="a place on the path, up to"):
+            gw.time_joints(path, LIMITS, windows=[(1.001 * path.length, free.duration)], jerk=jerk)
+        last = gw.time_joints(path, LIMITS, windows=[(path.length, 2 * free.duration)], jerk=jerk)
+        assert last.duration == pytest.approx(2 * free.duration)
+
+
+def test_speeds_at_the_ends_with_limits_of_jerk():
+    path = spline(5)
+    rest = gw.time_joints(path, LIMITS, jerk=True)
+    motion = gw.time_joints(path, LIMITS, jerk=True, start_speed=0.8, end_speed=0.4)
+    assert motion.at(0.0)["speed"] == pytest.approx(0.8, abs=1e-9)
+    assert motion.at(motion.duration)["speed"] == pytest.approx(0.4, abs=1e-9)
+    assert worst(motion, LIMITS, jerk=True) <= 1 + 1e-6
+    assert motion.duration < rest.duration
+    with pytest.raises(gw.Infeasible, match=r"the path speed at the start can be at most .* under the limits of jerk") as refused:
+        gw.time_joints(path, LIMITS, jerk=True, start_speed=30.0)
+    most = float(str(refused.value).split("at most ")[1].split()[0])
+    assert gw.time_joints(path, LIMITS, jerk=True, start_speed=0.999 * most).at(0.0)["speed"] == pytest.approx(0.999 * most)
+    with pytest.raises(gw.BadParameter, match="from rest to rest"):
+        gw.time_joints(path, LIMITS, jerk=True, start_speed=0.8, duration=2 * rest.duration)

@@ -170,7 +170,7 @@ fn windowed(rows: Option<Vec<Vec<f64>>>, duration: Option<f64>) -> Result<Vec<Wi
             _ => return Err(PlanError::bad("windows", format!("{} values", row.len()), "rows of place, earliest and, if need be, latest time")),
         });
     }
-    windows.extend(duration.map(|d| Window { s: f64::MAX, earliest: d, latest: f64::INFINITY }));
+    windows.extend(duration.map(|d| Window { s: Window::END, earliest: d, latest: f64::INFINITY }));
     Ok(windows)
 }
 
@@ -181,9 +181,10 @@ fn windowed(rows: Option<Vec<Vec<f64>>>, duration: Option<f64>) -> Result<Vec<Wi
 /// dictionary of `a`, `b`, `c`, `d`, `low`, `high`, each (n, r) or (r,); all but `a` may be left out. `row_names`: r names. `ceiling(s)`: the largest `x`, shape
 /// (n,). `grid`: number of intervals; None: chosen by the time it may cost (`tolerance`, a share of the duration). All limits hold between grid points,
 /// checked at `check` places per interval; with a grid and `tighten=False` only at the grid points. `jerk`: the
-/// limits `jerk` (rad/s3) are kept too, from rest to rest, in pieces of constant path jerk. `rates(s)`, with `jerk`: rows as of `rows` whose change by time
+/// limits `jerk` (rad/s3) are kept too, in pieces of constant path jerk. `start_speed`, `end_speed`: path speeds at the ends, rad/s; the path acceleration there
+/// is free within the limits. `rates(s)`, with `jerk`: rows as of `rows` whose change by time
 /// stays between `low` < 0 and `high` > 0 (torque rate); jumps of theirs do not count. `rate_names`: their names. A limit of jerk may then be left out.
-/// `windows`: rows of place (rad), earliest and, if need be, latest time (s) to pass it; `duration` (s): not faster than that in all. Raises `Infeasible` with the limit and the place.
+/// `windows`: rows of place (rad, on the path), earliest and, if need be, latest time (s) to pass it; `duration` (s): not faster than that in all. Raises `Infeasible` with the limit and the place.
 #[pyfunction]
 #[pyo3(signature = (path, limits, *, method="reachability", rows=None, row_names=None, ceiling=None, rates=None, rate_names=None, start_speed=0.0, end_speed=0.0, grid=None, tolerance=3e-4, check=20, windows=None, duration=None, jerk=false, tighten=true))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of a Python function")]

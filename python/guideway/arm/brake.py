@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from guideway.arm.certificate import worst_rate
 from guideway.arm.limits import JointLimits
 from guideway.arm.model import STILL
 from guideway.arm.motion import ArmMotion
@@ -132,7 +133,8 @@ def slowed(motion: ArmMotion, t: float, factor: float) -> ArmMotion:
     """The motion that from time ``t`` (s) on brakes on the path down to ``factor`` of the speed that the motion has there, then follows it.
 
     With ``factor`` 0 it stops. Limits of speed, acceleration and torque are kept; a brake steps in acceleration, so limits of jerk and torque rate
-    are not: ``report["brake"]`` says what is kept (``worst``: largest excess over a limit, relative to it), where the brake ``ends`` (s) and its way.
+    are not: ``report["brake"]`` says what is kept (``worst``: largest excess over a limit, relative to it), where the brake ``ends`` (s), its way,
+    and with a limit of torque rate the largest share of it that is used from time ``t`` on (``torque_rate``; steps between pieces do not count).
     """
     if not 0 <= t <= motion.duration:
         raise BadParameter(f"time {t!r} is out of range: from 0 to the duration, {motion.duration:.4g} s")
@@ -149,7 +151,15 @@ def slowed(motion: ArmMotion, t: float, factor: float) -> ArmMotion:
         tail = tail * np.array([1 / factor, 1, factor, factor**2, factor**3, 1 / factor])
         tail[:, 0] += end - at / factor
         pieces = np.concatenate([pieces, tail])
-    report = {"from": t, "ends": end, "way": float(s[-1] - s0), "factor": factor, "worst": max(0.0, float(_excesses(motion, brake).max(initial=0.0)))}
+    later = replace(motion, pieces=pieces[len(head) :])
+    rate = {"torque_rate": worst_rate(later)} if motion.arm is not None and motion.limits.torque_rate is not None else {}
+    report = {
+        "from": t,
+        "ends": end,
+        "way": float(s[-1] - s0),
+        "factor": factor,
+        "worst": max(0.0, float(_excesses(motion, brake).max(initial=0.0))),
+    } | rate
     return replace(motion, pieces=pieces, report=motion.report | {"brake": report})
 
 

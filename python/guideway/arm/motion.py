@@ -11,7 +11,7 @@ import numpy as np
 from guideway.arm.limits import JointLimits
 from guideway.arm.model import Arm, direction
 from guideway.arm.paths import JointPath
-from guideway.errors import BadParameter
+from guideway.errors import BadParameter, Infeasible
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -121,17 +121,29 @@ class ArmMotion:
 
         From the start that is the whole motion slowed down; from a later time on, it brakes along the path as hard as the limits allow until it
         has the lower speed. It stays on the path.
+
+        Slower, a motion keeps every limit but, maybe, one of torque rate: where gravity and inertia change a torque in opposite ways. Raises
+        ``Infeasible`` for that; a brake says what it uses of it in ``report["brake"]``.
         """
         if not 0 < factor <= 1:
             raise BadParameter(f"override {factor!r} is out of range: above 0 and at most 1. To go faster, raise the limits and time the path again")
         if at <= 0:
-            scaled = self.pieces * np.array([1 / factor, 1, factor, factor**2, factor**3, 1 / factor])
-            grid = self.grid | ({"x": np.asarray(self.grid["x"], float) * factor**2} if len(self.grid.get("x", ())) else {})
-            before = self.report.get("override", 1.0)
-            return replace(self, pieces=scaled, grid=grid, report=self.report | {"override": factor * before})
+            from guideway.arm.certificate import TOLERANCE, worst_rate
+
+            whole = self.scaled(factor)
+            ratio = worst_rate(whole) if self.arm is not None and "brake" not in self.report else 0.0
+            if ratio > max(1.0, worst_rate(self) if ratio > 1 else 1.0) + TOLERANCE:
+                raise Infeasible(f"at {factor:g} of its speed the motion would use {ratio:.4f} of its limit of torque rate: choose another override")
+            return whole
         from guideway.arm.brake import slowed
 
         return slowed(self, at, factor)
+
+    def scaled(self, factor: float) -> ArmMotion:
+        """The whole motion at ``factor`` (above 0) of its speed, no limit checked."""
+        scaled = self.pieces * np.array([1 / factor, 1, factor, factor**2, factor**3, 1 / factor])
+        grid = self.grid | ({"x": np.asarray(self.grid["x"], float) * factor**2} if len(self.grid.get("x", ())) else {})
+        return replace(self, pieces=scaled, grid=grid, report=self.report | {"override": factor * self.report.get("override", 1.0)})
 
     def stop_from(self, t: float) -> ArmMotion:
         """The motion that goes like this one until ``t`` (s) and then stops on the path as soon as the limits allow."""

@@ -44,8 +44,10 @@ def time(
     ``path``: a joint path, or with ``arm`` a tool path, a file of way points, way points (n, joints). ``limits`` are filled up from the robot's
     description, the acceleration by :data:`guideway.arm.limits.ACCELERATION`. ``torque``: whether torques count (default: where limits state
     them; with True the robot's own, where they do not). ``jerk``: whether jerk and torque rate count (default: where limits state them).
-    ``start_speed`` and ``end_speed`` are path speeds, rad/s; ``grid`` fixes the number of points (default: chosen by error); ``windows``, rows
-    (s in rad, earliest in s) or (s, earliest, latest), say when places may be passed. With ``check`` the result is certified against all limits.
+    ``start_speed`` and ``end_speed`` are path speeds, rad/s; the path acceleration there is free within the limits, so where motions are joined it
+    may step, and limits of jerk hold inside, not across the joint. ``grid`` fixes the number of points (default: chosen by error); ``windows``,
+    rows (s in rad, earliest in s) or (s, earliest, latest), say when places of the path may be passed. With ``check`` the result is certified
+    against all limits.
 
     Raises ``BadParameter``, ``NoPath``, ``Infeasible`` (static overload, boundary speeds, windows), ``CertificateFailed``.
     """
@@ -67,7 +69,7 @@ def time(
     motion = _motion(found, given, asked, arm, method, smooth)
     motion.report["seconds"] = perf_counter() - began
     if smooth and asked.torque_rate is not None and arm is not None:
-        motion = _within_rate(motion)
+        motion = _within_rate(motion) if start_speed == end_speed == 0 else motion  # slowed down it would have other speeds at its ends
     if check and len(motion.pieces):
         certificate = motion.certify(collisions=False)
         motion.report["certificate"] = certificate
@@ -106,7 +108,7 @@ def _within_rate(motion: ArmMotion) -> ArmMotion:
             break
         share = max(0.5, ratio ** (-1 / 3) * (1 - 1e-7))
         slower /= share
-        motion = motion.override(share)
+        motion = motion.scaled(share)
     motion.report["rate_slowed"] = slower
     return motion
 

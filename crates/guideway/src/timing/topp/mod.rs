@@ -40,6 +40,9 @@ use smooth::{CEILING, Smooth, Task};
 use solve::{Solved, Solver};
 use table::Table;
 
+/// Path speed, rad/s, below which an end is one at rest where the limits of jerk are kept.
+const AT_REST: f64 = 1e-6;
+
 /// How the profile on a grid is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TopMethod {
@@ -55,9 +58,10 @@ pub enum TopMethod {
 pub struct TopOptions {
     /// How.
     pub method: TopMethod,
-    /// Path speed at the start, rad/s.
+    /// Path speed at the start, rad/s; the path acceleration there is free within the limits, also where those of jerk are kept. With them less than 1e-6 rad/s
+    /// is rest.
     pub start_speed: f64,
-    /// Path speed at the end, rad/s.
+    /// Path speed at the end, rad/s; likewise.
     pub end_speed: f64,
     /// Number of intervals of equal length; `None`: chosen so that the time lost by the grid is below `tolerance`.
     pub grid: Option<usize>,
@@ -117,7 +121,7 @@ pub struct Report {
 /// [`PlanError::Infeasible`] names the limit and the place, [`PlanError::BadParameter`] the value that is not allowed; what a callback raises.
 pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, demands: &mut Demands) -> Result<JointMotion, PlanError> {
     let bounds = limits.bounds(path.dimension())?;
-    options.validate()?;
+    options.validate(path.length())?;
     let course = Course::new(path);
     if course.count() == 0 {
         let (active, mvc) = (vec![String::new()], vec![0.0]);
@@ -152,19 +156,20 @@ pub fn time_joints(path: &Path, limits: &JointLimits, options: &TopOptions, dema
         return Err(PlanError::bad("limits.jerk", "none", "a limit of jerk for at least one joint, rad/s3, or of rates"));
     }
     let breaks = grid::breaks(&course, true);
-    let mut task = Task { course: &course, bounds: &bounds, demands, rates, breaks, cells: options.grid, check: options.check };
+    let speeds = [options.start_speed, options.end_speed].map(|v| if v < AT_REST { 0.0 } else { v });
+    let mut task = Task { course: &course, bounds: &bounds, demands, rates, breaks, cells: options.grid, check: options.check, speeds };
     // Places are found on spans of their own: where the path turns sharply those of a given grid are too long for it.
     let mut smooth = task.solve(&solved, &Grid::initial(&course, grid::WALK, false).spans)?;
-    smooth.wait(&options.windows, path.length())?;
+    smooth.wait(&options.windows, path.length(), speeds)?;
     if !options.windows.is_empty() {
         task.again(&mut smooth)?;
-        smooth.wait(&options.windows, path.length())?;
+        smooth.wait(&options.windows, path.length(), speeds)?;
     }
-    Ok(smoothed(&motion, smooth, &bounds, task.demands))
+    Ok(smoothed(&motion, smooth, &bounds, (task.demands, speeds[1])))
 }
 
 /// The second-order motion with its pieces replaced by the jerk-limited ones.
-fn smoothed(second: &JointMotion, smooth: Smooth, bounds: &limits::Bounds, demands: &Demands) -> JointMotion {
+fn smoothed(second: &JointMotion, smooth: Smooth, bounds: &limits::Bounds, (demands, end_speed): (&Demands, f64)) -> JointMotion {
     let mut motion = second.clone();
     let states: Vec<[f64; 3]> = smooth
         .pieces
@@ -173,7 +178,7 @@ fn smoothed(second: &JointMotion, smooth: Smooth, bounds: &limits::Bounds, deman
         .collect();
     let end = second.s[second.s.len() - 1];
     motion.s = states.iter().map(|state| state[0]).chain([end]).collect();
-    motion.x = states.iter().map(|state| state[1] * state[1]).chain([0.0]).collect();
+    motion.x = states.iter().map(|state| state[1] * state[1]).chain([end_speed * end_speed]).collect();
     motion.u = states.iter().map(|state| state[2]).collect();
     motion.mvc = motion.s.iter().map(|s| second.mvc_at(*s)).collect();
     motion.pieces = smooth.pieces;
@@ -247,17 +252,13 @@ impl TopMethod {
 }
 
 impl TopOptions {
-    fn validate(&self) -> Result<(), PlanError> {
+    fn validate(&self, length: f64) -> Result<(), PlanError> {
         for (name, v) in [("start_speed", self.start_speed), ("end_speed", self.end_speed)] {
             if !(v >= 0.0 && v.is_finite()) {
                 return Err(PlanError::bad(name, v, "a path speed >= 0, rad/s"));
             }
         }
-        self.windows.iter().try_for_each(Window::validate)?;
-        if self.jerk && (self.start_speed > 0.0 || self.end_speed > 0.0) {
-            let shown = self.start_speed.max(self.end_speed);
-            return Err(PlanError::bad("start_speed, end_speed", shown, "0 where the limits of jerk are kept: such motions go from rest to rest"));
-        }
+        self.windows.iter().try_for_each(|window| window.validate(length))?;
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
             return Err(PlanError::bad("tolerance", self.tolerance, "above 0, below 1"));
         }

@@ -28,6 +28,8 @@ const JUMP: f64 = 0.125;
 /// Excess that is removed by slowing the whole motion down, where it starts and ends at rest.
 const SMALL: f64 = 2e-5;
 const TANGENTS: usize = 30;
+/// Bisections of a speed at the end that is too high.
+const HALVINGS: usize = 30;
 /// Excess over a limit that tightening aims below.
 const CLEAN: f64 = 2e-7;
 /// Places per interval of the checks before the last one.
@@ -135,11 +137,13 @@ impl Solver<'_, '_> {
         let explain = |strips: &Strips, stuck: Stuck| refuse::explain(problem, strips, stuck, (self.bounds, &self.demands.names));
         if self.options.method == TopMethod::Bisection {
             let strips = capped(problem, problem.strips(self.bounds, None))?;
-            return bisection::fastest(problem, &strips.ceiling, self.bounds, ends).map_err(|stuck| explain(&strips, stuck));
+            return self
+                .within(ends, |ends| bisection::fastest(problem, &strips.ceiling, self.bounds, ends))
+                .map_err(|stuck| explain(&strips, stuck));
         }
         let solve = |x: Option<&[f64]>| {
             let strips = capped(problem, problem.strips(self.bounds, x))?;
-            strips.fastest(ends).map_err(|stuck| explain(&strips, stuck))
+            self.within(ends, |ends| strips.fastest(ends)).map_err(|stuck| explain(&strips, stuck))
         };
         let mut x = solve(from)?;
         if problem.viscous() {
@@ -153,6 +157,36 @@ impl Solver<'_, '_> {
             }
         }
         Ok(x)
+    }
+
+    /// A profile between squared speeds at the ends. With limits of jerk speeds that are too high are lowered as far as it takes: it is but a guide then, and
+    /// the jerk-limited version finds its own largest speeds.
+    fn within(&self, mut ends: [f64; 2], solve: impl Fn([f64; 2]) -> Result<Vec<f64>, Stuck>) -> Result<Vec<f64>, Stuck> {
+        let mut found = solve(ends);
+        for _ in 0..if self.options.jerk { 3 } else { 0 } {
+            let Err(stuck) = &found else { break };
+            match stuck.boundary {
+                Some([low, high]) => {
+                    let end = &mut ends[usize::from(stuck.node > 0)];
+                    if *end < low {
+                        break;
+                    }
+                    *end = high;
+                }
+                None if ends[1] > 0.0 => {
+                    let passes = |end: f64| !matches!(solve([ends[0], end]), Err(Stuck { boundary: None, .. }));
+                    let (mut low, mut high) = (0.0, ends[1]);
+                    for _ in 0..HALVINGS {
+                        let middle = 0.5 * (low + high);
+                        *(if passes(middle) { &mut low } else { &mut high }) = middle;
+                    }
+                    ends[1] = low;
+                }
+                None => break,
+            }
+            found = solve(ends);
+        }
+        found
     }
 
     /// The use of all limits at `count` places of every interval; intervals on which the profile is that of a check `before` keep its use.

@@ -1,5 +1,6 @@
 use super::*;
 
+mod ends;
 mod long;
 mod rates;
 
@@ -217,6 +218,16 @@ fn jerk_limited_motions_turn_back() {
     }
 }
 
+/// When a motion is at an arc length, s.
+fn when(motion: &JointMotion, s: f64) -> f64 {
+    let (mut low, mut high) = (0.0, motion.duration());
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if motion.at(middle).s < s { &mut low } else { &mut high }) = middle;
+    }
+    0.5 * (low + high)
+}
+
 #[test]
 fn jerk_limited_motions_stop_at_corners() {
     let limits = with_jerk(limits(2.0, 4.0), 40.0);
@@ -225,8 +236,9 @@ fn jerk_limited_motions_stop_at_corners() {
     let half = motion.at(0.5 * motion.duration());
     assert!((half.s - 1.0).abs() < 1e-6 && half.speed < 1e-3);
     assert!(worst_jerk(&motion, &limits, 10).iter().all(|u| *u <= 1.0 + 1e-6));
-    let options = TopOptions { jerk: true, start_speed: 1.0, ..TopOptions::default() };
-    assert!(time_joints(&corners, &limits, &options, &mut Demands::default()).is_err());
+    let passed = fastest(&corners, &limits, &TopOptions { jerk: true, start_speed: 1.0, ..TopOptions::default() });
+    assert!(worst_jerk(&passed, &limits, 10).iter().all(|u| *u <= 1.0 + 1e-6) && passed.duration() < motion.duration());
+    assert!(passed.at(when(&passed, 1.0)).speed < 1e-3, "it stops at the corner");
 }
 
 #[test]
@@ -249,7 +261,7 @@ fn windows_are_met_and_nothing_else_is_lost() {
     assert!(matches!(passed, Err(PlanError::Infeasible { .. })));
     assert!(timed(vec![window(half, f64::NAN)]).is_err() && timed(vec![window(-1.0, 1.0)]).is_err());
     let limits = with_jerk(usual(), 200.0);
-    let options = TopOptions { jerk: true, windows: vec![window(1e9, 9.0)], ..TopOptions::default() };
+    let options = TopOptions { jerk: true, windows: vec![window(Window::END, 9.0)], ..TopOptions::default() };
     assert!((fastest(&path, &limits, &options).duration() - 9.0).abs() < 1e-9);
 }
 

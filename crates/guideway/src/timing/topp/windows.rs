@@ -15,7 +15,7 @@ const LEAST: f64 = 1e-10;
 /// When a place may be passed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
-    /// Arc length, rad; beyond the end: the end.
+    /// Arc length, rad; [`Window::END`]: the end of the path, however long it is.
     pub s: f64,
     /// Not before, s.
     pub earliest: f64,
@@ -23,12 +23,21 @@ pub struct Window {
     pub latest: f64,
 }
 
+/// By how much a place may be beyond the end of a path, as a share of it.
+const BEYOND: f64 = 1e-9;
+
 impl Window {
-    pub(super) fn validate(&self) -> Result<(), PlanError> {
+    /// The place of a window at the end of any path, rad.
+    pub const END: f64 = f64::MAX;
+
+    pub(super) fn validate(&self, length: f64) -> Result<(), PlanError> {
         let ordered = self.earliest >= 0.0 && self.earliest.is_finite() && self.latest >= self.earliest;
         if !(self.s > 0.0 && ordered) {
             let shown = format!("{} rad, {} to {} s", self.s, self.earliest, self.latest);
             return Err(PlanError::bad("windows", shown, "a place above 0 rad, 0 <= earliest <= latest"));
+        }
+        if self.s > length * (1.0 + BEYOND) && self.s < Self::END {
+            return Err(PlanError::bad("windows", format!("a place at {} rad", self.s), format!("a place on the path, up to {length} rad")));
         }
         Ok(())
     }

@@ -19,6 +19,8 @@ pub(super) struct Barrier<'a> {
     pub lines: &'a Lines,
     /// Largest `y` of the cells.
     pub top: &'a [f64],
+    /// What a change of `y` by 1 costs besides, s: of some cells.
+    pub pull: &'a [(usize, f64)],
 }
 
 /// Values of `y` with their time and their barrier, the derivatives of which are kept beside.
@@ -79,6 +81,7 @@ impl Barrier<'_> {
             logs.factor(room / top);
             point.time += h / y.sqrt();
         }
+        point.time += self.pull.iter().map(|(k, cost)| cost * point.y[*k]).sum::<f64>();
         let inside = self.lines.read(&point.y, &mut point.gradient, &mut point.matrix, &mut logs);
         point.barrier = -logs.sum();
         inside
@@ -92,6 +95,9 @@ impl Barrier<'_> {
         for ((cube, y), (gradient, row)) in cubes.zip(&here.y).zip(here.gradient.iter().zip(&here.matrix)) {
             step.push(weight * gradient - 0.5 * cube);
             matrix.push([weight * row[0] + 0.75 * cube / y, weight * row[1], weight * row[2]]);
+        }
+        for (k, cost) in self.pull {
+            step[*k] += cost;
         }
         let gradient = step.clone();
         solve(matrix, step);

@@ -3,10 +3,11 @@
 //! Between two stops the second-order optimum, averaged over time, is a reference whose time is the variable; the squared speed `y` of that time is found by
 //! a barrier method ([`barrier`]) with the limits of speed, acceleration and jerk at the ends of the cells on which the jerk is constant. The result is
 //! turned into pieces of constant path jerk ([`pieces`]); these are checked densely, the limits tightened where they exceed, and what is left is removed by
-//! slowing the stretch down as a whole, which divides the jerk by the cube of the factor.
+//! slowing the stretch down as a whole, which divides the jerk by the cube of the factor, but where it begins or ends in motion ([`passing`]).
 
 mod barrier;
 mod lines;
+mod passing;
 mod pieces;
 mod rates;
 mod reference;
@@ -75,13 +76,18 @@ pub(super) struct Smooth {
 impl Smooth {
     /// Slows the motion down as a whole until the windows at its end are met.
     /// # Errors
-    /// [`PlanError::BadParameter`] for windows on the way, [`PlanError::Infeasible`] for an end that cannot be reached in time.
-    pub fn wait(&mut self, windows: &[Window], length: f64) -> Result<(), PlanError> {
+    /// [`PlanError::BadParameter`] for windows on the way and for waiting in motion, [`PlanError::Infeasible`] for an end that cannot be reached in time.
+    pub fn wait(&mut self, windows: &[Window], length: f64, speeds: [f64; 2]) -> Result<(), PlanError> {
         for window in windows {
             if window.s < length {
                 return Err(PlanError::bad("windows", window.s, format!("{length} rad, the end of the path, where the limits of jerk are kept")));
             }
             let time = self.pieces.last().map_or(0.0, |p| p.start() + p.duration());
+            if time < window.earliest && speeds != [0.0; 2] {
+                let allowed =
+                    format!("at most {time} s, the fastest motion: where the limits of jerk are kept, only one from rest to rest can be slowed down");
+                return Err(PlanError::bad("windows", window.earliest, allowed));
+            }
             if time < window.earliest {
                 self.slow(window.earliest / time);
             }
@@ -111,6 +117,8 @@ pub(super) struct Task<'a, 'd, 't> {
     /// Cells, all stretches together.
     pub cells: Option<usize>,
     pub check: usize,
+    /// Path speeds at the start and the end of the path.
+    pub speeds: [f64; 2],
 }
 
 impl Task<'_, '_, '_> {
@@ -121,9 +129,17 @@ impl Task<'_, '_, '_> {
             Smooth { pieces: Vec::new(), used: Vec::new(), prices: vec![0.0; self.bounds.jerk.len()], steps: 0, tightenings: 0, slowed: 1.0 };
         let all = self.cells.unwrap_or(CELLS) as f64;
         smooth.prices.resize(self.bounds.jerk.len() + self.rates.as_ref().map_or(0, Table::count), 0.0);
-        for stretch in turns::stretches(self.course, solved, total / all) {
+        for stretch in turns::stretches(self.course, solved, self.speeds, total / all) {
             let cells = ((all * stretch.duration() / total).round() as usize).max(FEWEST);
-            self.stretch(&stretch, (spans, cells), &mut smooth)?;
+            let mut walker = Walker::new(self.course, spans, stretch.ends);
+            let told = if stretch.speeds == [0.0; 2] {
+                self.stretch(&stretch, cells, &mut walker, &mut smooth)?
+            } else {
+                self.passed(&stretch, cells, &mut walker, &mut smooth)?
+            };
+            let t0 = smooth.pieces.last().map_or(0.0, |p| p.start() + p.duration());
+            smooth.pieces.extend(told.pieces.into_iter().map(|piece| piece.shifted(t0)));
+            smooth.used.extend(told.used);
         }
         Ok(smooth)
     }
@@ -148,58 +164,70 @@ impl Task<'_, '_, '_> {
         Err(PlanError::CertificateFailed { stage: "timing of the joints", detail })
     }
 
-    /// One stretch from rest to rest, added to `smooth`.
-    fn stretch(&mut self, stretch: &Stretch, (spans, cells): (&[Span], usize), smooth: &mut Smooth) -> Result<(), PlanError> {
-        let ends = stretch.ends;
-        let mut walker = Walker::new(self.course, spans, ends);
-        let coarse = cells.min(COARSE);
-        let mut posed = self.first(stretch, coarse, &mut walker)?;
-        let mut tight = vec![[1.0; 5]; posed.step.len()];
+    /// One stretch from rest to rest.
+    fn stretch(&mut self, stretch: &Stretch, cells: usize, walker: &mut Walker, smooth: &mut Smooth) -> Result<Told, PlanError> {
+        let mut rounds = self.rounds(stretch, cells, walker)?;
         let mut best: Option<Told> = None;
-        let called = self.demands.rows.is_some() || self.rates.is_some();
         let mut prices = smooth.prices.clone();
         for round in 0..if self.rates.is_some() { RATE_ROUNDS } else { ROUNDS } {
-            let asked = Called { demands: &mut *self.demands, rates: self.rates.as_mut() };
-            posed.limits(self.bounds, &tight, asked, round > 0 && !called)?;
-            let per_cell = posed.step.iter().sum::<f64>() / posed.step.len() as f64;
-            let [first, most] = if round == 0 { [FIRST, 0.95] } else { AGAIN };
-            let Some(mut y) = posed.start(most) else { break };
-            smooth.steps += Barrier { step: &posed.step, lines: &posed.lines, top: &posed.top }.minimise(&mut y, first * per_cell, LAST * per_cell);
-            let Some(pieces) = pieces::through(&posed.states(&y)) else { break };
-            let told = self.told(pieces, self.check.min(FEW), &mut walker)?;
-            smooth.tightenings += 1;
+            let Some((y, told)) = self.attempt(&mut rounds, self.check.min(FEW), walker, smooth)? else { break };
             prices.copy_from_slice(&smooth.prices);
-            posed.sensitivities(&y, LAST * per_cell, &mut prices);
-            let good = told.slower <= 1.0 + if round < FEW_ROUNDS || called { GOOD } else { FAIR };
-            let parts = if round == 0 { cells.div_ceil(coarse) } else { 1 };
-            let (lengths, cells) = told.cells(parts);
-            if round > 0 {
-                for (tight, used) in tight.iter_mut().zip(&told.used) {
-                    for (tight, share) in tight.iter_mut().zip(used.share) {
-                        *tight = (*tight * if share > 1.0 { share * (1.0 + EXTRA) } else { 1.0 }).min(MOST);
-                    }
-                }
-            } else {
-                tight = vec![[1.0; 5]; lengths.len()];
-            }
+            rounds.posed.sensitivities(&y, LAST * rounds.per_cell(), &mut prices);
+            let good = told.slower <= 1.0 + if round < FEW_ROUNDS || self.calls() { GOOD } else { FAIR };
+            let next = rounds.next(&told, true);
             if best.as_ref().is_none_or(|b| told.time * told.slower < b.time * b.slower) {
                 best = Some(told);
             }
             if good {
                 break;
             }
-            posed = Posed::new(lengths, cells, &mut walker);
+            rounds.posed = Posed::new(next, [0.0; 2], walker);
         }
         let Some(told) = best else {
-            let reason = format!("no jerk-limited motion was found between s = {:.6} and {:.6} rad", ends[0], ends[1]);
+            let [from, to] = stretch.ends;
+            let reason = format!("no jerk-limited motion was found between s = {from:.6} and {to:.6} rad");
             return Err(PlanError::Infeasible { reason, best_end_speed: None });
         };
         smooth.prices = prices;
-        let told = self.kept(told.pieces, &mut walker, smooth)?;
-        let t0 = smooth.pieces.last().map_or(0.0, |p| p.start() + p.duration());
-        smooth.pieces.extend(told.pieces.into_iter().map(|piece| piece.shifted(t0)));
-        smooth.used.extend(told.used);
-        Ok(())
+        self.kept(told.pieces, walker, smooth)
+    }
+
+    /// Whether rows or their rates are called for.
+    fn calls(&self) -> bool {
+        self.demands.rows.is_some() || self.rates.is_some()
+    }
+
+    /// The first round of a stretch.
+    fn rounds(&mut self, stretch: &Stretch, cells: usize, walker: &mut Walker) -> Result<Rounds, PlanError> {
+        let coarse = cells.min(COARSE);
+        let posed = self.first(stretch, coarse, walker)?;
+        Ok(Rounds { tight: vec![[1.0; 5]; posed.count()], posed, done: 0, parts: cells.div_ceil(coarse) })
+    }
+
+    /// The solution of a round and its pieces, checked at `places` of each; none if there is no motion within its limits.
+    fn attempt(
+        &mut self,
+        rounds: &mut Rounds,
+        places: usize,
+        walker: &mut Walker,
+        smooth: &mut Smooth,
+    ) -> Result<Option<(Vec<f64>, Told)>, PlanError> {
+        let first = rounds.done == 0;
+        let prune = !first && !self.calls();
+        let per_cell = rounds.per_cell();
+        let posed = &mut rounds.posed;
+        let asked = Called { demands: &mut *self.demands, rates: self.rates.as_mut() };
+        posed.limits(self.bounds, &rounds.tight, asked, prune)?;
+        let [weight, most] = if first { [FIRST, 0.95] } else { AGAIN };
+        let weight = weight * posed.worth();
+        let Some(mut y) = posed.start(most) else { return Ok(None) };
+        let pull = posed.pull();
+        let barrier = Barrier { step: &posed.step, lines: &posed.lines, top: &posed.top, pull: &pull };
+        smooth.steps += barrier.minimise(&mut y, weight * per_cell, LAST * per_cell);
+        let Some(pieces) = pieces::through(&posed.states(&y)) else { return Ok(None) };
+        let told = self.told(pieces, places, walker)?;
+        smooth.tightenings += 1;
+        Ok(Some((y, told)))
     }
 
     /// Pieces slowed down until the dense check finds all limits kept.
@@ -235,7 +263,8 @@ impl Task<'_, '_, '_> {
         let ramp = if ramp > 0.0 { ramp.min(0.5 * duration) } else { 0.5 * duration };
         let even = (duration + ramp) / cells as f64;
         // The jerk of the reference grows from nothing in half of the first cell.
-        let reference = Reference::new(stretch.legs, [ramp, 0.5 * even * stretch.finest()]);
+        let moving = stretch.speeds.map(|v| v > 0.0);
+        let reference = Reference::new(stretch.legs, [ramp, 0.5 * even * stretch.finest()], moving);
         let even = reference.duration() / cells as f64;
         let mut times = vec![0.0];
         for k in 0..cells {
@@ -244,10 +273,14 @@ impl Task<'_, '_, '_> {
         let junctions: Vec<Kinetic> = times.iter().map(|t| reference.at(*t)).map(|[s, v, a, j]| [(ends[0] + s).min(ends[1]), v, a, j]).collect();
         let mut cells: Vec<[Kinetic; 2]> = junctions.windows(2).map(|w| [w[0], w[1]]).collect();
         let last = cells.len() - 1;
-        cells[0][0][3] = cells[0][1][3];
-        cells[last][1][3] = cells[last][0][3];
+        if !moving[0] {
+            cells[0][0][3] = cells[0][1][3];
+        }
+        if !moving[1] {
+            cells[last][1][3] = cells[last][0][3];
+        }
         cells[last][1][0] = ends[1];
-        Ok(Posed::new(times.windows(2).map(|w| w[1] - w[0]).collect(), cells, walker))
+        Ok(Posed::new((times.windows(2).map(|w| w[1] - w[0]).collect(), cells), stretch.speeds, walker))
     }
 
     /// Pieces and the use of the limits on them, by `places` places per piece.
@@ -260,6 +293,39 @@ impl Task<'_, '_, '_> {
         let slower = used.iter().map(Used::slower).fold(1.0, f64::max);
         let time = pieces.last().map_or(0.0, |p| p.start() + p.duration());
         Ok(Told { pieces, used, slower, time })
+    }
+}
+
+/// The rounds of a stretch, each in the time of the motion before.
+struct Rounds {
+    posed: Posed,
+    /// By how much the limits of every cell are tightened.
+    tight: Vec<[f64; 5]>,
+    done: usize,
+    /// Parts that each cell of the first round is cut into after it.
+    parts: usize,
+}
+
+impl Rounds {
+    /// Mean length of a cell, s.
+    fn per_cell(&self) -> f64 {
+        self.posed.step.iter().sum::<f64>() / self.posed.step.len() as f64
+    }
+
+    /// Tightens, if asked, the limits of cells that exceed them; lengths of the cells of the next round, and the motion at their ends.
+    fn next(&mut self, told: &Told, tighten: bool) -> (Vec<f64>, Vec<[Kinetic; 2]>) {
+        let (lengths, cells) = told.cells(if self.done == 0 { self.parts } else { 1 });
+        if self.done == 0 {
+            self.tight = vec![[1.0; 5]; lengths.len()];
+        } else if tighten {
+            for (tight, used) in self.tight.iter_mut().zip(&told.used) {
+                for (tight, share) in tight.iter_mut().zip(used.share) {
+                    *tight = (*tight * if share > 1.0 { share * (1.0 + EXTRA) } else { 1.0 }).min(MOST);
+                }
+            }
+        }
+        self.done += 1;
+        (lengths, cells)
     }
 }
 

@@ -1,7 +1,8 @@
 //! The jerk-limited problem in the time of a reference: cells, junctions, rows.
 //!
 //! The squared speed `y` of the reference's time is a quadratic spline with knots at the junctions of the cells; its coefficients, one per cell, are the
-//! unknowns. In the first and the last cell it is linear. Its slope changes evenly on a cell, and so, nearly, does the path jerk stay the same there.
+//! unknowns. In the first and the last cell it is linear. Its slope changes evenly on a cell, and so, nearly, does the path jerk stay the same there. An end
+//! that is passed in motion is the junction with a cell of no length: its coefficient is `y` there, and the cell beside it is like the others.
 
 use super::lines::{Lines, Place, Row};
 use super::pieces::{Moving, Walker};
@@ -11,12 +12,17 @@ use crate::timing::topp::limits::Bounds;
 use crate::timing::topp::problem::{Demands, checked_ceiling, shrunk};
 use crate::timing::topp::rows::Rows;
 use crate::timing::topp::table::Table;
+use std::ops::Range;
 
 /// Most that the reference may be sped up, squared.
 const MOST: f64 = 400.0;
 
 /// Speeds tried for a start: limits of rates may ask for far less than the reference.
 const STARTS: usize = 2000;
+/// What the speed asked for at the start and at the end is worth, in durations: that at the end comes first.
+const WORTH: [f64; 2] = [10.0, 100.0];
+/// Share of a speed at an end by which it may be missed.
+const MISSED: f64 = 3e-6;
 /// How far inside a cell the rows at its ends are read, as a share of the path.
 const ASIDE: f64 = 1e-12;
 
@@ -29,6 +35,8 @@ pub(super) struct Posed {
     pub step: Vec<f64>,
     pub lines: Lines,
     pub top: Vec<f64>,
+    /// Path speeds asked for at the two ends, 0 at rest: limits there.
+    pub speeds: [f64; 2],
     /// The reference at the two ends of every cell.
     cells: Vec<[Kinetic; 2]>,
     /// First three derivatives of the joints by the time of the reference, end after end.
@@ -45,8 +53,16 @@ pub(super) struct Called<'a, 'd, 't> {
 }
 
 impl Posed {
-    /// From the lengths of the cells and the reference at their ends.
-    pub fn new(step: Vec<f64>, cells: Vec<[Kinetic; 2]>, walker: &mut Walker) -> Self {
+    /// From the lengths of the cells and the reference at their ends, and the path speeds asked for at both ends.
+    pub fn new((mut step, mut cells): (Vec<f64>, Vec<[Kinetic; 2]>), speeds: [f64; 2], walker: &mut Walker) -> Self {
+        if speeds[0] > 0.0 {
+            step.insert(0, 0.0);
+            cells.insert(0, [cells[0][0]; 2]);
+        }
+        if speeds[1] > 0.0 {
+            step.push(0.0);
+            cells.push([cells[cells.len() - 1][1]; 2]);
+        }
         let joints = walker.shape.first.len();
         let mut shapes = Vec::with_capacity(6 * joints * cells.len());
         let mut last = f64::NAN;
@@ -62,7 +78,7 @@ impl Posed {
             let third = q.first.iter().zip(&q.second).zip(&q.third);
             shapes.extend(third.map(|((first, second), third)| third * cube + second * mixed + first * j));
         }
-        Self { step, lines: Lines::default(), top: Vec::new(), cells, shapes, joints, rates: 0 }
+        Self { step, lines: Lines::default(), top: Vec::new(), speeds, cells, shapes, joints, rates: 0 }
     }
 
     /// How the joints move at the start or the end of a cell.
@@ -88,11 +104,16 @@ impl Posed {
     /// All limits; those of cells are divided by `tight` (speed, acceleration, jerk, rows called for, rates). With `prune` without the rows of jerk that stay far
     /// from their bounds when the reference is nearly the solution.
     pub fn limits(&mut self, bounds: &Bounds, tight: &[[f64; 5]], asked: Called, prune: bool) -> Result<(), PlanError> {
-        self.tops(bounds, tight);
+        let real = self.real();
+        let tight: Vec<[f64; 5]> = (0..self.step.len()).map(|j| if real.contains(&j) { tight[j - real.start] } else { [1.0; 5] }).collect();
+        self.tops(bounds, &tight);
         self.lines.clear();
         let rates = asked.rates.map(|table| self.rates(table)).transpose()?;
         self.rates = rates.as_ref().map_or(0, Rates::count);
         let called = self.called(asked.demands)?;
+        for end in self.moving() {
+            self.top[end * (tight.len() - 1)] = self.level(end);
+        }
         let mut rows = Vec::new();
         for k in 0..self.step.len() - 1 {
             let [acceleration, demanded] = [1, 3].map(|kind| tight[k][kind].max(tight[k + 1][kind]));
@@ -103,10 +124,10 @@ impl Posed {
             }
             self.lines.add(self.place(k), &rows);
         }
-        for (j, tight) in tight.iter().enumerate() {
-            self.jerks(j, bounds, (tight[2], prune), &mut rows);
+        for j in real {
+            self.jerks(j, bounds, (tight[j][2], prune), &mut rows);
             if let Some(rates) = &rates {
-                self.rated(j, rates, tight[RATE], &mut rows);
+                self.rated(j, rates, tight[j][RATE], &mut rows);
             }
         }
         Ok(())
@@ -157,6 +178,49 @@ impl Posed {
         for (top, tight) in self.top.iter_mut().zip(tight) {
             *top /= tight[0] * tight[0];
         }
+    }
+
+    /// The cells that have a length.
+    fn real(&self) -> Range<usize> {
+        usize::from(self.speeds[0] > 0.0)..self.step.len() - usize::from(self.speeds[1] > 0.0)
+    }
+
+    /// How many they are.
+    pub fn count(&self) -> usize {
+        self.real().len()
+    }
+
+    /// Ends that are passed in motion.
+    fn moving(&self) -> impl Iterator<Item = usize> + use<> {
+        let speeds = self.speeds;
+        [0, 1].into_iter().filter(move |end| speeds[*end] > 0.0)
+    }
+
+    /// The `y` asked for at an end.
+    fn level(&self, end: usize) -> f64 {
+        let share = self.speeds[end] / self.cells[end * (self.cells.len() - 1)][end][1];
+        share * share
+    }
+
+    /// What the unknowns cost that stand for the speeds asked for, s.
+    pub fn pull(&self) -> Vec<(usize, f64)> {
+        let time: f64 = self.step.iter().sum();
+        self.moving().map(|end| (end * (self.step.len() - 1), -WORTH[end] * time / self.level(end))).collect()
+    }
+
+    /// How much more than time they are worth.
+    pub fn worth(&self) -> f64 {
+        self.moving().map(|end| WORTH[end]).fold(1.0, f64::max)
+    }
+
+    /// Share of the speeds asked for that is reached at both ends.
+    pub fn reached(&self, y: &[f64]) -> [f64; 2] {
+        let mut reached = [1.0; 2];
+        for end in self.moving() {
+            let share = (y[end * (y.len() - 1)] / self.level(end)).sqrt();
+            reached[end] = if share > 1.0 - MISSED { 1.0 } else { share };
+        }
+        reached
     }
 
     /// Rows of acceleration at the junction after cell `k`.
@@ -271,6 +335,13 @@ impl Posed {
             states.push([s, v * level.sqrt(), a * level + v * slope]);
         }
         states.push([self.cells[n - 1][1][0], 0.0, 0.0]);
+        // Between cells that have a length.
+        let real = self.real();
+        let mut states = states[real.start..=real.end].to_vec();
+        let (last, reached) = (states.len() - 1, self.reached(y));
+        for end in self.moving() {
+            states[end * last][1] = self.speeds[end] * reached[end];
+        }
         states
     }
 

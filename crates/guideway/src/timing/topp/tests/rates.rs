@@ -10,7 +10,7 @@ fn rated(s: &[f64], rate: f64) -> Rows {
     Rows { low: vec![-rate; s.len()], high: vec![rate; s.len()], ..loaded(s, LOAD) }
 }
 
-fn timed(path: &Path, limits: &JointLimits, options: &TopOptions, rate: f64) -> Result<JointMotion, PlanError> {
+pub(super) fn timed(path: &Path, limits: &JointLimits, options: &TopOptions, rate: f64) -> Result<JointMotion, PlanError> {
     let mut demands = Demands {
         names: vec!["torque of a mass".into()],
         rows: Some(Box::new(|s: &[f64]| Ok(loaded(s, LOAD)))),
@@ -26,7 +26,7 @@ fn jerky() -> TopOptions {
 }
 
 /// The largest rate, by differences of the row within the pieces.
-fn steepest(motion: &JointMotion) -> f64 {
+pub(super) fn steepest(motion: &JointMotion) -> f64 {
     let torque = |t: f64| {
         let state = motion.at(t);
         let row = loaded(&[state.s], LOAD);
@@ -96,7 +96,7 @@ fn rates_are_kept_by_motions_that_wait_and_bounds_need_both_sides() {
     let limits = with_jerk(usual(), 200.0);
     let rate = 0.5 * steepest(&timed(&path, &limits, &jerky(), 1e6).unwrap());
     let short = timed(&path, &limits, &jerky(), rate).unwrap().duration();
-    let window = Window { s: f64::MAX, earliest: 1.2 * short, latest: f64::INFINITY };
+    let window = Window { s: Window::END, earliest: 1.2 * short, latest: f64::INFINITY };
     let motion = timed(&path, &limits, &TopOptions { windows: vec![window], ..jerky() }, rate).unwrap();
     assert!(steepest(&motion) <= rate * (1.0 + 1e-6) && motion.duration() >= 1.2 * short);
     let refused = timed(&path, &limits, &jerky(), 0.0).unwrap_err().to_string();

@@ -235,7 +235,7 @@ def test_hostile_descriptions_are_refused(tmp_path, parts, message):
 @pytest.mark.parametrize("text", ["<robot", "<html/>", "<robot name='x'/>", "<robot><link name='a'/><link name='b'/></robot>"])
 def test_what_is_no_robot_is_refused(tmp_path, text):
     (tmp_path / "x.urdf").write_text(text)
-    with pytest.raises(gw.BadFile, match="valid XML|a <html>|no link|2 links hang on no joint"):
+    with pytest.raises(gw.BadFile, match=r"valid XML|a <html>|no link|2 links hang on no joint"):
         gw.arm.Arm.load(tmp_path / "x.urdf")
 
 

@@ -169,11 +169,15 @@ impl Task<'_, '_, '_> {
         let mut rounds = self.rounds(stretch, cells, walker)?;
         let mut best: Option<Told> = None;
         let mut prices = smooth.prices.clone();
-        for round in 0..if self.rates.is_some() { RATE_ROUNDS } else { ROUNDS } {
-            let Some((y, told)) = self.attempt(&mut rounds, self.check.min(FEW), walker, smooth)? else { break };
+        // Where gravity and inertia cancel, a slower motion may need more of a rate: its rounds go on until nothing is left to slow down.
+        let rated = self.rates.is_some();
+        let places = if rated { self.check.div_ceil(2) } else { self.check.min(FEW) };
+        for round in 0..if rated { RATE_ROUNDS } else { ROUNDS } {
+            let Some((y, told)) = self.attempt(&mut rounds, places, walker, smooth)? else { break };
             prices.copy_from_slice(&smooth.prices);
             rounds.posed.sensitivities(&y, LAST * rounds.per_cell(), &mut prices);
-            let good = told.slower <= 1.0 + if round < FEW_ROUNDS || self.calls() { GOOD } else { FAIR };
+            let left = if round < FEW_ROUNDS || self.calls() { GOOD } else { FAIR };
+            let good = told.slower <= 1.0 + if rated { 0.0 } else { left };
             let next = rounds.next(&told, true);
             if best.as_ref().is_none_or(|b| told.time * told.slower < b.time * b.slower) {
                 best = Some(told);

@@ -244,7 +244,7 @@ def main() -> None:
     parts = [Part(file, asked.collection, w, s, *kind) for s in range(asked.seeds) for w in worlds]
     late = f"-{asked.plan_time:g}" if asked.plan_time else ""
     rows = drive_all(parts, asked.out / f"{asked.collection}-{asked.map}{late}.jsonl", asked.workers)
-    line = summary(f"{asked.collection}, {asked.map}", rows)
+    line = summary(f"{asked.collection.replace('dyna', 'Dyna').replace('barn', 'BARN')}, {asked.map}", rows)
     print(f"{HEAD}\n{line}")
     for row in rows:
         if not row["success"]:
